@@ -40,22 +40,22 @@ static const struct {
     void (*parse)(struct pose_reading *to, struct text text);
     enum format_id id;
 } formats[] = {
-    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse, FORMAT_BRAINSIGHT},
-    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse, FORMAT_LOCALITE},
-    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse, FORMAT_MARKUPS},
-    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse, FORMAT_MATLAB},
-    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse, FORMAT_INVESALIUS},
-    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse, FORMAT_OTHER},
-    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse, FORMAT_HDF5},
-    [CONUS_POSE_FORMAT_LIST] = {"list", pose_lists_parse, FORMAT_OTHER},
+    [POSE_FORMAT_AUTO] = {"auto", NULL, FORMAT_OTHER},
+    [POSE_FORMAT_TABLE] = {"table", NULL, FORMAT_OTHER},
+    [POSE_FORMAT_MATRIX] = {"matrix", parse_matrix, FORMAT_OTHER},
+    [POSE_FORMAT_POINTS] = {"points", NULL, FORMAT_OTHER},
+    [POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse, FORMAT_BRAINSIGHT},
+    [POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse, FORMAT_LOCALITE},
+    [POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse, FORMAT_OTHER},
+    [POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse, FORMAT_MARKUPS},
+    [POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse, FORMAT_MATLAB},
+    [POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse, FORMAT_OTHER},
+    [POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse, FORMAT_INVESALIUS},
+    [POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse, FORMAT_OTHER},
+    [POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native, FORMAT_OTHER},
+    [POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse, FORMAT_OTHER},
+    [POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse, FORMAT_HDF5},
+    [POSE_FORMAT_LIST] = {"list", pose_lists_parse, FORMAT_OTHER},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -148,14 +148,14 @@ enum { INWARD_POSITION = CONUS_INWARD_ATLAS + 1 };
 struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
     conus_frame frame;
-    conus_pose_format format;
-    char *name;              /* for messages; NULL for a text */
-    char *typed;             /* with its words; NULL for a text */
-    const char *path;        /* while it is opened; NULL for a text and stdin */
-    int descriptor;          /* -1 for a text */
-    bool owned;              /* it is ours to close */
-    struct system_wake stop; /* of a pipe: once the stream is stopped; of others none */
-    uint64_t start;          /* of the text in the file */
+    enum pose_format format, asked; /* what it is, and what the options say */
+    char *name;                     /* for messages; NULL for a text */
+    char *typed;                    /* with its words; NULL for a text */
+    const char *path;               /* while it is opened; NULL for a text and stdin */
+    int descriptor;                 /* -1 for a text */
+    bool owned;                     /* it is ours to close */
+    struct system_wake stop;        /* of a pipe: once the stream is stopped; of others none */
+    uint64_t start;                 /* of the text in the file */
     struct text text;
     struct pose_lines lines;
     struct columns columns;
@@ -242,16 +242,16 @@ static struct text first_row(size_t *size, struct text head, bool all)
 }
 
 /* Of the head, whose first row that is. */
-static conus_pose_format format_of(const struct format *known, struct text row)
+static enum pose_format format_of(const struct format *known, struct text row)
 {
-    conus_pose_format format = CONUS_POSE_FORMAT_AUTO;
+    enum pose_format format = POSE_FORMAT_AUTO;
     while (known && known->id && (size_t)format < FORMATS && formats[format].id != known->id) {
         format++;
     }
     return format && (size_t)format < FORMATS        ? format
-           : row.size && pose_electrodes_header(row) ? CONUS_POSE_FORMAT_ELECTRODES
-           : row.size && pose_nibs_header(row)       ? CONUS_POSE_FORMAT_NIBS
-                                                     : CONUS_POSE_FORMAT_TABLE;
+           : row.size && pose_electrodes_header(row) ? POSE_FORMAT_ELECTRODES
+           : row.size && pose_nibs_header(row)       ? POSE_FORMAT_NIBS
+                                                     : POSE_FORMAT_TABLE;
 }
 
 static void find_format(struct job *job, conus_pose_stream *stream)
@@ -281,23 +281,22 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     struct text first = {"", 0};
     (void)text_line(&rest, &first);
     used = is_binary ? 0 : known ? first.size : used;
-    conus_pose_format found = format_of(known, row);
-    if (found == CONUS_POSE_FORMAT_ELECTRODES &&
-        pose_electrodes_have_two(row)) { /* is it BIDS that says what they are? */
+    enum pose_format found = format_of(known, row);
+    if (found == POSE_FORMAT_ELECTRODES && pose_electrodes_have_two(row)) { /* is it BIDS that says what they are? */
         pose_coordsystem_find(job, &stream->list, stream->path ? stream->path : "", false, false);
-        found = stream->list.coordsystem ? found : CONUS_POSE_FORMAT_TABLE;
+        found = stream->list.coordsystem ? found : POSE_FORMAT_TABLE;
     }
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     if (!is_own_word && pose_lists_know(head, stream->path)) {
-        found = CONUS_POSE_FORMAT_LIST;
+        found = POSE_FORMAT_LIST;
     } else if (known && !known->id) {
         job_bad(job, "%s", known->words);
     } else if (used && memchr(head.data, '\0', used)) {
         job_bad(job, "a zero byte: not a text of poses");
     }
     bool is_short = lines->ended && lines->size < POSE_LINE_LIMIT;
-    found = found == CONUS_POSE_FORMAT_TABLE && is_short && is_matrix(head) ? CONUS_POSE_FORMAT_MATRIX : found;
-    stream->format = stream->options.format ? stream->options.format : found;
+    found = found == POSE_FORMAT_TABLE && is_short && is_matrix(head) ? POSE_FORMAT_MATRIX : found;
+    stream->format = stream->asked ? stream->asked : found;
 }
 
 /* A table that is called as those of BIDS is in the space and unit of the *_coordsystem.json beside it. */
@@ -383,9 +382,7 @@ static void plan_table(struct job *job, conus_pose_stream *stream)
         (void)(!stream->list.space.name[0] &&
                pose_coordsystem_hear(job, &stream->list, stream->path, columns->has_unit));
     }
-    stream->format = !columns->has_header ? CONUS_POSE_FORMAT_POINTS
-                     : columns->pairs     ? CONUS_POSE_FORMAT_LIST
-                                          : stream->format;
+    stream->format = !columns->has_header ? POSE_FORMAT_POINTS : columns->pairs ? POSE_FORMAT_LIST : stream->format;
 }
 
 static bool is_read_whole(const conus_pose_stream *stream)
@@ -401,9 +398,9 @@ static uint64_t count_known(const conus_pose_stream *stream)
                                       : UINT64_MAX;
 }
 
-static bool is_of_rodents(conus_pose_format format)
+static bool is_of_rodents(enum pose_format format)
 {
-    return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB || format == CONUS_POSE_FORMAT_LIST;
+    return format == POSE_FORMAT_IBL || format == POSE_FORMAT_NWB || format == POSE_FORMAT_LIST;
 }
 
 /* Points whose names say a side on which they do not lie, of an atlas whose size is known. Of tables columns.c asks; of
@@ -435,7 +432,7 @@ static conus_status note_extent(conus_pose_stream *stream, struct notes *notes)
 {
     const struct extent extent = stream->extent;
     stream->extent = (struct extent){0};
-    bool is_list = stream->format == CONUS_POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
+    bool is_list = stream->format == POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
     bool of_people = stream->options.space < CONUS_SPACE_CCF && (is_list || !is_of_rodents(stream->format));
     const double longest = fmax(stream->options.longest, HEAD_LENGTH);
     bool is_stated = !is_read_whole(stream) && stream->columns.has_unit; /* columns.c asks the others */
@@ -523,12 +520,12 @@ static void finish_buffer(void *buffer)
 static void find_program(struct pose_reading *to, conus_pose_stream *stream, struct text text)
 {
     const struct text json = pose_brackets_behind_comments(text);
-    if (stream->options.format || !job_ok(to->job)) {
+    if (stream->asked || !job_ok(to->job)) {
         return;
     }
     if (matlab_is(text)) {
-        stream->format = pose_lead_dbs_is(to, text) ? CONUS_POSE_FORMAT_LEAD_DBS : stream->format;
-    } else if (stream->format == CONUS_POSE_FORMAT_MARKUPS && json.size && json.data[0] == '{') { /* no .fcsv */
+        stream->format = pose_lead_dbs_is(to, text) ? POSE_FORMAT_LEAD_DBS : stream->format;
+    } else if (stream->format == POSE_FORMAT_MARKUPS && json.size && json.data[0] == '{') { /* no .fcsv */
         stream->format = pose_json_find(to, json);
     }
 }
@@ -552,7 +549,7 @@ static void parse_whole(struct job *job, conus_pose_stream *stream, struct text 
         list->space.scale = stream->words.unit > 0 ? stream->words.unit : list->space.scale;
         (void)JOB_CALL(job, cap_check(list, stream->columns.file, &job->notes));
     }
-    if (stream->format == CONUS_POSE_FORMAT_ELECTRODES && job_ok(job)) {
+    if (stream->format == POSE_FORMAT_ELECTRODES && job_ok(job)) {
         /* The table as it is, for an answer that adds columns to it. */
         if (text.size && memchr(text.data, '\0', text.size)) {
             job_bad(job, "a zero byte: not a table of electrodes");
@@ -566,16 +563,16 @@ static void parse_whole(struct job *job, conus_pose_stream *stream, struct text 
 static void read_whole(struct job *job, conus_pose_stream *stream)
 {
     conus_pose_list *list = &stream->list;
-    const conus_pose_format format = stream->format;
+    const enum pose_format format = stream->format;
     const bool pairs = stream->columns.pairs;
-    bool is_bids = format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
-    if (stream->path && !pairs && (is_bids || format == CONUS_POSE_FORMAT_LIST)) {
+    bool is_bids = format == POSE_FORMAT_ELECTRODES || format == POSE_FORMAT_NIBS;
+    if (stream->path && !pairs && (is_bids || format == POSE_FORMAT_LIST)) {
         pose_coordsystem_find(job, list, stream->path, is_bids, stream->words.unit > 0 || stream->options.unit > 0);
     }
     if (is_bids && !list->coordsystem) {
         columns_check_name(job, &stream->columns, stream->path, whole_lines(&stream->lines), &stream->options, false);
     }
-    if (format == CONUS_POSE_FORMAT_LIST && !pairs && list->coordsystem) {
+    if (format == POSE_FORMAT_LIST && !pairs && list->coordsystem) {
         job_bad(job, "%s beside it is of a table with the columns x, y and z, which this is not",
                 path_base(list->coordsystem));
     }
@@ -617,7 +614,7 @@ static void open_text(struct job *job, conus_pose_stream *stream)
     }
     const bool is_whole = is_read_whole(stream);
     const char *format = conus_pose_format_name(stream->format);
-    if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
+    if (stream->options.along_shafts && stream->format != POSE_FORMAT_ELECTRODES) {
         job_bad(job, "shafts are for electrodes (BIDS), not for %s%s", format,
                 pose_electrodes_have_two(first_row(&(size_t){0}, at_hand(&stream->lines), true))
                     ? "; --poses-format electrodes reads it as these"
@@ -628,8 +625,8 @@ static void open_text(struct job *job, conus_pose_stream *stream)
     }
     const struct columns_words *words = &stream->words;
     bool of_columns = words->at[0].size || words->name.size || columns_word_of_axes(words).size;
-    bool has_columns = !is_whole || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
-                       (stream->format == CONUS_POSE_FORMAT_LIST &&
+    bool has_columns = !is_whole || stream->columns.pairs || stream->format == POSE_FORMAT_ELECTRODES ||
+                       (stream->format == POSE_FORMAT_LIST &&
                         pose_brackets_are_rows((struct text){stream->lines.data, stream->lines.size}));
     if (words->place.size && !stream->columns.place) {
         job_bad(job, "\"%.60s\": names of places are read from tables and lists where an atlas is",
@@ -722,9 +719,15 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
         return fail(CONUS_ERROR_ARGUMENT, "keep: %zu columns, allowed are up to %d", options->keep_count,
                     POSE_KEPT_LIMIT);
     }
-    if ((unsigned)options->space > CONUS_SPACE_BREGMA || (unsigned)options->axis > CONUS_AXIS_MINUS_Z ||
-        !conus_pose_format_name((size_t)options->format)) {
-        return fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
+    if ((unsigned)options->space > CONUS_SPACE_BREGMA || (unsigned)options->axis > CONUS_AXIS_MINUS_Z) {
+        return fail(CONUS_ERROR_ARGUMENT, "options of poses: space or axis is none of its names");
+    }
+    size_t asked = 0;
+    while (asked < FORMATS && strcmp(formats[asked].name, options->format ? options->format : "auto") != 0) {
+        asked++;
+    }
+    if (asked == FORMATS) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: of poses there is no %s", options->format);
     }
     if (options->inward && !options->atlas) {
         return fail(CONUS_ERROR_ARGUMENT, "inward: no atlas, to which a head belongs");
@@ -742,6 +745,8 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
         return CONUS_ERROR_MEMORY;
     }
     stream->options = *options;
+    stream->options.format = formats[asked].name; /* the caller's may end */
+    stream->asked = (enum pose_format)asked;
     stream->frame = frame;
     stream->options.frame = &stream->frame;
     stream->options.space = frame.space;
@@ -791,7 +796,7 @@ conus_status conus_candidates_open(conus_pose_stream **out, const conus_candidat
     conus_pose_stream *stream = NULL;
     conus_status status = create_stream(&stream, NULL);
     if (!status) {
-        stream->format = CONUS_POSE_FORMAT_TABLE;
+        stream->format = POSE_FORMAT_TABLE;
         status = pose_candidates_init(&stream->candidates, candidates);
     }
     return hand_over_stream(out, stream, status);
@@ -1015,9 +1020,9 @@ conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
     return fail_of(stream, status);
 }
 
-conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
+const char *conus_pose_stream_format(const conus_pose_stream *stream)
 {
-    return stream->format;
+    return formats[stream->format].name;
 }
 
 const char *conus_pose_stream_space(const conus_pose_stream *stream)

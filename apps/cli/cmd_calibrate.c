@@ -186,7 +186,7 @@ static int answer_calibrate(struct calibration *calibration)
     code = code ? code : take_trials(calibration);
     conus_report_options report = request_report_options(request);
     report.marks = NULL;
-    report.rows = has_atlas ? CONUS_ROWS_RELIABILITY : CONUS_ROWS_CALIBRATION;
+    report.rows = has_atlas ? "reliability" : "calibration";
     code = code ? code : (has_atlas ? find_reliability : find_errors)(calibration, &report);
     if (code) {
         return code;

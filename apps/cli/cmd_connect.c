@@ -71,7 +71,7 @@ static int add_answer(struct connect *connect, size_t index)
     int code = print_status(status);
     if (!code) {
         say_without_areas(connect, &connect->request.atlases.items[index], table);
-        struct asked asked = {.made = table, .made_of = CONUS_ROWS_CONNECTIONS};
+        struct asked asked = {.made = table, .made_of = "connections"};
         return print_status(rows_files_add(&connect->request.rows, index, answerer->selector, "1", &asked));
     }
     conus_table_destroy(table);
@@ -99,7 +99,7 @@ static int answer_connect(struct connect *connect)
     struct request *request = &connect->request;
     struct provenance provenance = {0};
     conus_report_options report = request_report_options(request);
-    report.rows = CONUS_ROWS_CONNECTIONS;
+    report.rows = "connections";
     int code = print_status(conus_frame_find(&request->frame, NULL, CONUS_SPACE_RAS, NULL)); /* of no positions */
     code = code ? code : request_load_atlases(request);
     code = code ? code : request_start_without_rays(request, &report);

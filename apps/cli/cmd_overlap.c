@@ -210,7 +210,7 @@ static int answer_overlap(struct overlap *overlap)
     code = space_settings_frame(&request->frame, &request->atlases, &request->settings->aim.space,
                                 request->settings->common.quiet);
     conus_report_options report = request_report_options(request);
-    report.rows = CONUS_ROWS_COVERAGES;
+    report.rows = "coverages";
     report.no_voxels = true;
     code = code ? code : request_start_without_rays(request, &report);
     code = code ? code : request_check_outputs(request);

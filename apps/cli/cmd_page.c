@@ -314,7 +314,7 @@ static int put_question(struct page *page)
     double t[3];
     const struct page_settings *settings = page->settings;
     const conus_selector_options options = page_question_selector(&settings->question);
-    const conus_report_options rows = {.format = CONUS_FORMAT_NDJSON};
+    const conus_report_options rows = {.format = "ndjson"};
     conus_pose pose;
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;

@@ -291,7 +291,7 @@ static conus_status make_reports(struct planning *planning)
 {
     struct request *request = &planning->request;
     conus_report_options options = request_report_options(request);
-    options.rows = CONUS_ROWS_PLAN;
+    options.rows = "plan";
     conus_status status = request_report(request, 0, &options);
     status = status ? status : conus_report_add_plan(request->answerers[0].report, planning->plan);
     struct asked asked = {.plan = planning->plan, .step = planning->step, .pivot = planning->pivot};

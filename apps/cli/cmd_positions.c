@@ -54,7 +54,7 @@ static int answer_positions(struct request *request, const struct arguments *arg
         return print_no_memory();
     }
     options.frame = NULL;
-    options.rows = CONUS_ROWS_POSITIONS;
+    options.rows = "positions";
     int code = settings_scalp(&request->places.scalp, &request->scalp, aim, NULL);
     stance.scalp = request->places.scalp;
     code = code ? code : print_status(conus_positions(&found, count ? names : NULL, count, &stance));

@@ -86,9 +86,9 @@ static const struct option_group groups[] = {
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
-    conus_format format;
-    if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
-        format != CONUS_FORMAT_TABLE) {
+    const char *format;
+    if (settings->voxels && output_format(&format, settings->voxels) && !format_is(format, "tsv") &&
+        !format_is(format, "table")) {
         return refuse("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
     }
     if (option_given(arguments, "endpoint-radius") && !settings->ends.endpoints && !settings->ends.connectivity) {
@@ -119,27 +119,27 @@ struct query_run {
 /* Whether the format of another program has a place for this answer. */
 static bool check_format(const struct request *request, const struct query_settings *settings)
 {
-    conus_format format = request->format;
-    if (format_is_foreign(format) && option_given(request->arguments, "atlas")) {
+    const char *format = request->format;
+    if (format_of(format)->is_foreign && option_given(request->arguments, "atlas")) {
         return refuse("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
                       "ndjson have one");
     }
-    const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe.path
+    const char *why = format_is(format, "bep032") && !settings->probe.path
                           ? "--format: bep032 lists the contacts of probes; --probe FILE describes them"
-                      : format != CONUS_FORMAT_BEP032 && settings->probes ? "--probes is written beside --format bep032"
-                      : format != CONUS_FORMAT_BEP032 && settings->coordsystem
+                      : !format_is(format, "bep032") && settings->probes ? "--probes is written beside --format bep032"
+                      : !format_is(format, "bep032") && settings->coordsystem
                           ? "--coordsystem is written beside --format bep032"
-                      : format == CONUS_FORMAT_BIDS && settings->probe.path
+                      : format_is(format, "bids") && settings->probe.path
                           ? "--format: bids adds to a table of electrodes, --probe has none; bep032 writes one"
                           : NULL;
     if (why) {
         return refuse("%s", why);
     }
-    if (format_is_foreign(format) && settings->keep.columns) {
+    if (format_of(format)->is_foreign && settings->keep.columns) {
         return refuse("--keep: formats of other programs have no place for it; table, tsv, csv, json and ndjson have");
     }
     bool of_contacts =
-        format == CONUS_FORMAT_BIDS || (format_is_of_probe(format) && option_given(request->arguments, "point"));
+        format_is(format, "bids") || (format_of(format)->is_of_probe && option_given(request->arguments, "point"));
     if (of_contacts && !request->settings->aim.pose) {
         return refuse("--format: this format lists contacts; --pose FILE names them");
     }
@@ -209,7 +209,7 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
 {
     const struct query_settings *settings = run->settings;
     const struct answerer *answerer = &run->request.answerers[index];
-    bool is_shank = format_is_of_probe(run->request.format) && !query->is_point;
+    bool is_shank = format_of(run->request.format)->is_of_probe && !query->is_point;
     run->has_points = run->has_points || query->is_point;
     run->has_cones = run->has_cones || !query->is_point;
     run->has_shanks = run->has_shanks || is_shank;
@@ -258,7 +258,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query_run *run = user;
     struct request *request = &run->request;
     double radius =
-        settings_point_radius(&request->settings->engine, row, run->probe || format_is_foreign(request->format));
+        settings_point_radius(&request->settings->engine, row, run->probe || format_of(request->format)->is_foreign);
     char why[256] = "";
     if (row->is_point && !run->probe) {
         settings_point_error(why, &request->settings->engine, request->arguments);
@@ -410,7 +410,7 @@ static conus_status start_query(struct query_run *run)
     report.contacts = run->contacts;
     report.probe = run->probe;
     report.placed = settings->coordsystem;
-    report.electrodes = request->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(request->poses) : NULL;
+    report.electrodes = format_is(request->format, "bids") ? conus_pose_list_electrodes(request->poses) : NULL;
     return request_reports(request, &report);
 }
 

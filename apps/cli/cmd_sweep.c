@@ -47,7 +47,7 @@ static const struct option_group groups[] = {
 struct sweep {
     const struct sweep_settings *settings;
     struct request request;
-    conus_rows rows;
+    const char *rows;
     double *angles; /* of --angles, degrees */
     size_t angle_count;
     conus_jitter_options jitter;
@@ -111,12 +111,12 @@ static bool read_jitter(struct sweep *sweep)
 static bool check_kind(const struct sweep *sweep, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = sweep->settings;
-    if (sweep->rows != CONUS_ROWS_CHANCES && settings->request.engine.radius > 0) {
+    if (strcmp(sweep->rows, "chances") != 0 && settings->request.engine.radius > 0) {
         return refuse("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
     }
     /* No ray decides which angle admits an object: a round cone holds what lies in it, hidden or not. */
     const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
-    if (sweep->rows == CONUS_ROWS_ADMISSIONS && of_rays) {
+    if (strcmp(sweep->rows, "admissions") == 0 && of_rays) {
         return refuse("--%s has no effect without --angles or --jitter", of_rays->name);
     }
     return true;
@@ -178,7 +178,7 @@ static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
     struct request *request = &sweep->request;
     double angle = request_angle(request, row);
     conus_status status = CONUS_OK;
-    double widest = sweep->rows == CONUS_ROWS_SHARES ? 0 : angle;
+    double widest = strcmp(sweep->rows, "shares") == 0 ? 0 : angle;
     for (size_t i = 0; i < sweep->angle_count; i++) {
         widest = fmax(widest, sweep->angles[i]);
     }
@@ -186,10 +186,10 @@ static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         const struct answerer *answerer = &request->answerers[i];
         status = conus_selector_set_range(answerer->selector, row->range);
-        status = status                              ? status
-                 : sweep->rows == CONUS_ROWS_SHARES  ? add_shares(sweep, answerer, row)
-                 : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, answerer, row, angle)
-                                                     : add_admissions(answerer, row, angle);
+        status = status                                ? status
+                 : strcmp(sweep->rows, "shares") == 0  ? add_shares(sweep, answerer, row)
+                 : strcmp(sweep->rows, "chances") == 0 ? add_chances(sweep, answerer, row, angle)
+                                                       : add_admissions(answerer, row, angle);
     }
     return status;
 }
@@ -211,7 +211,7 @@ static int answer_row(void *user, const conus_pose_row *row)
 /* Errors in the file that --jitter on the command line overrides. */
 static void say_unused_errors(const struct sweep *sweep)
 {
-    bool said = sweep->settings->request.common.quiet || sweep->rows != CONUS_ROWS_CHANCES || sweep->jitter_of_rows;
+    bool said = sweep->settings->request.common.quiet || strcmp(sweep->rows, "chances") != 0 || sweep->jitter_of_rows;
     for (size_t i = 0; !said && i < conus_pose_list_count(sweep->request.poses); i++) {
         said = has_errors(conus_pose_list_row(sweep->request.poses, i));
         if (said) {
@@ -241,7 +241,7 @@ static int answer_all(struct sweep *sweep)
 {
     struct request *request = &sweep->request;
     request->steps =
-        sweep->rows == CONUS_ROWS_CHANCES ? (sweep->jitter.samples ? sweep->jitter.samples : JITTER_SAMPLES) : 0;
+        strcmp(sweep->rows, "chances") == 0 ? (sweep->jitter.samples ? sweep->jitter.samples : JITTER_SAMPLES) : 0;
     if (request->poses) {
         say_unused_errors(sweep);
         return request_each_row(request, answer_row, sweep);
@@ -294,9 +294,7 @@ static int answer_sweep(struct sweep *sweep)
         say_cap(sweep, &error);
     }
     request_list_inputs(&provenance, request);
-    provenance.question.rows = sweep->rows == CONUS_ROWS_SHARES    ? "shares"
-                               : sweep->rows == CONUS_ROWS_CHANCES ? "chances"
-                                                                   : "admissions";
+    provenance.question.rows = sweep->rows;
     return request_code(request, request_write_answer(request, &provenance));
 }
 
@@ -304,9 +302,9 @@ static int run_sweep(const void *given, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = given;
     struct sweep sweep = {.settings = settings,
-                          .rows = settings->angles   ? CONUS_ROWS_SHARES
-                                  : settings->jitter ? CONUS_ROWS_CHANCES
-                                                     : CONUS_ROWS_ADMISSIONS};
+                          .rows = settings->angles   ? "shares"
+                                  : settings->jitter ? "chances"
+                                                     : "admissions"};
     int code = EXIT_USAGE;
     if (request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true) &&
         check_kind(&sweep, arguments) && (!settings->angles || read_angles(&sweep)) &&

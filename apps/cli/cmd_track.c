@@ -106,7 +106,7 @@ static int write_steps(struct track *track)
 {
     const char *text = NULL;
     size_t size = 0;
-    if (track->request.format == CONUS_FORMAT_JSON) {
+    if (format_is(track->request.format, "json")) {
         return EXIT_DONE;
     }
     conus_status status = conus_report_take(&text, &size, track->request.answerers[0].report);
@@ -253,7 +253,7 @@ static int write_rest(struct track *track)
     struct provenance provenance = {.poses = request->stream};
     request_list_inputs(&provenance, request);
     provenance.question.rows = "steps";
-    if (request->format == CONUS_FORMAT_JSON) {
+    if (format_is(request->format, "json")) {
         return answer_write(report, output, NULL, &provenance);
     }
     if (track->held.stream && !system_text_close(&track->held)) {
@@ -325,7 +325,7 @@ static int run_track(const void *given, const struct arguments *arguments)
     struct track track = {.settings = settings};
     int code = request_init(&track.request, &settings->request, arguments);
     /* A file appears whole or not at all: what goes to one is held. */
-    if (!code && !output_is_stdout(settings->request.answer.output) && track.request.format != CONUS_FORMAT_JSON) {
+    if (!code && !output_is_stdout(settings->request.answer.output) && !format_is(track.request.format, "json")) {
         code = system_text_open(&track.held) ? EXIT_DONE : print_no_memory();
     }
     code = code ? code : answer_track(&track);

@@ -939,7 +939,7 @@ static int make_reports(struct planner *planner)
 {
     struct request *request = &planner->request;
     conus_report_options options = request_report_options(request);
-    options.rows = CONUS_ROWS_NEEDLES;
+    options.rows = "needles";
     conus_status status = request_report(request, 0, &options);
     status = status ? status : conus_report_add_together(request->answerers[0].report, planner->together);
     struct asked asked = {.together = planner->together};

@@ -85,7 +85,7 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 {
     const struct request_settings *settings = request->settings;
     out->question = (struct question){request->arguments, "answers", settings->engine.radius > 0 ? "cylinder" : "cone"};
-    out->is_table = request->format == CONUS_FORMAT_TABLE;
+    out->is_table = format_is(request->format, "table");
     provenance_add_input(out, settings->aim.pose);
     provenance_add_input(out, coordinates_of(request));
     provenance_add_input(out, settings_level_file(&settings->engine));
@@ -109,7 +109,7 @@ int request_load_poses(struct request *request)
         return EXIT_DONE;
     }
     conus_pose_options options = request_pose_options(request);
-    options.all_rows = request->format == CONUS_FORMAT_BIDS || format_is_of_probe(request->format);
+    options.all_rows = format_is(request->format, "bids") || format_of(request->format)->is_of_probe;
     if (request->kept) {
         options.keep = request->marks.names = request->kept->at;
         options.keep_count = request->marks.count = request->kept->count;
@@ -316,7 +316,7 @@ void request_say_notes(const struct request *request)
 {
     atlases_say_notes(&request->atlases, &request->settings->common);
     atlases_say_spaces(&request->atlases, &request->settings->common);
-    if (request->format != CONUS_FORMAT_TABLE && !request->settings->common.quiet) {
+    if (!format_is(request->format, "table") && !request->settings->common.quiet) {
         named_places_say(&request->places); /* which has them in its head */
     }
 }
@@ -336,7 +336,7 @@ void request_say_aims(const struct request *request)
                                   &request->frame,
                                   false,
                                   settings_point_radius(&request->settings->engine, NULL,
-                                                        request->rows_of || format_is_foreign(request->format))};
+                                                        request->rows_of || format_of(request->format)->is_foreign)};
     }
     if (aimed) {
         aim_notes_say(aimed, count, path ? pose_settings_file_name(path) : NULL, &request->settings->common);

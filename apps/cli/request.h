@@ -69,7 +69,7 @@ struct answerer {
 struct request {
     const struct request_settings *settings;
     const struct arguments *arguments;
-    conus_format format;
+    const char *format;
     char *command_line;
     char *sidecar;          /**< Path; NULL if there is none to write. */
     struct outputs outputs; /**< All files that are written, */

@@ -30,7 +30,7 @@ void station_send_selection(struct station *station, const conus_selector *selec
 {
     struct igtl_point points[POINTS_SENT];
     conus_report *report = NULL;
-    const conus_report_options options = {.format = CONUS_FORMAT_NDJSON};
+    const conus_report_options options = {.format = "ndjson"};
     const char *text;
     size_t size;
     conus_status status = conus_report_create(&report, selector, &options);

@@ -160,13 +160,13 @@ bool output_is_no_file(const char *path)
     return output_is_stdout(path) || (system_stat(&info, path) && info.kind != SYSTEM_FILE);
 }
 
-bool output_format(conus_format *out, const char *path)
+bool output_format(const char **out, const char *path)
 {
     static const struct {
         const char *ending;
-        conus_format format;
-    } endings[] = {{".tsv", CONUS_FORMAT_TSV},       {".csv", CONUS_FORMAT_CSV},      {".json", CONUS_FORMAT_JSON},
-                   {".ndjson", CONUS_FORMAT_NDJSON}, {".jsonl", CONUS_FORMAT_NDJSON}, {".txt", CONUS_FORMAT_TABLE}};
+        const char *format;
+    } endings[] = {{".tsv", "tsv"},       {".csv", "csv"},      {".json", "json"},
+                   {".ndjson", "ndjson"}, {".jsonl", "ndjson"}, {".txt", "table"}};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends_in(path, endings[i].ending)) {
             *out = endings[i].format;
@@ -176,14 +176,18 @@ bool output_format(conus_format *out, const char *path)
     return false;
 }
 
-bool format_is_foreign(conus_format format)
+bool format_is(const char *format, const char *name)
 {
-    return conus_format_at(format)->is_foreign;
+    return strcmp(format ? format : "table", name) == 0;
 }
 
-bool format_is_of_probe(conus_format format)
+const conus_format_info *format_of(const char *name)
 {
-    return conus_format_at(format)->is_of_probe;
+    size_t place = 0;
+    while (!format_is(name, conus_format_at(place)->name)) {
+        place++;
+    }
+    return conus_format_at(place);
 }
 
 static char *folder_of(const char *path)

@@ -3,7 +3,7 @@
 #ifndef CONUS_OPTIONS_OUTPUT_H
 #define CONUS_OPTIONS_OUTPUT_H
 
-#include "conus/report.h"
+#include "conus/own.h"
 #include "options/options.h"
 
 #include <stdbool.h>
@@ -53,13 +53,13 @@ int output_check_file(const char *path);
 bool output_is_no_file(const char *path);
 
 /** Finds the format by the ending of @p path: .txt is a table. False if the ending names none. */
-bool output_format(conus_format *out, const char *path);
+bool output_format(const char **out, const char *path);
 
-/** Whether a format is another program's. */
-bool format_is_foreign(conus_format format);
+/** Whether a format, of answers or of poses, is called so; NULL is "table". */
+bool format_is(const char *format, const char *name);
 
-/** Whether a format is for probes: it lists the areas along their shanks or at their channels. */
-bool format_is_of_probe(conus_format format);
+/** What is known of a format of answers. */
+const conus_format_info *format_of(const char *name);
 
 /** The part of @p path behind its last slash; all of it where nothing follows that slash. */
 const char *path_name(const char *path);

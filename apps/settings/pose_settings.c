@@ -119,7 +119,7 @@ conus_pose_options pose_settings_options(const struct pose_file_settings *settin
                                 .find_place = conus_place_find,
                                 .of_mni305 = atlas && conus_atlas_brain(atlas).brain == CONUS_BRAIN_MNI305,
                                 .axis = (conus_axis)settings->axis,
-                                .format = (conus_pose_format)settings->format,
+                                .format = conus_pose_format_name(settings->format),
                                 .along_shafts = settings->along_shafts,
                                 .max_memory = max_memory};
 }
@@ -185,9 +185,9 @@ int pose_settings_print_error(conus_status status, const char *path, const char 
     return code;
 }
 
-int pose_settings_check_electrodes(conus_format format, const char *electrodes, const char *path)
+int pose_settings_check_electrodes(const char *format, const char *electrodes, const char *path)
 {
-    if (format != CONUS_FORMAT_BIDS || electrodes) {
+    if (!format_is(format, "bids") || electrodes) {
         return EXIT_DONE;
     }
     return print_data_error("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",

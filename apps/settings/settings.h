@@ -411,7 +411,7 @@ void named_places_say(const struct named_places *places);
 
 struct pose_file_settings {
     size_t axis;   /* conus_axis */
-    size_t format; /* conus_pose_format */
+    size_t format; /* of conus_pose_format_name() */
     bool along_shafts;
     bool any_space;
 };
@@ -469,7 +469,7 @@ int pose_settings_print_error(conus_status status, const char *path, const char 
 
 /** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
  * adds columns to it. */
-int pose_settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
+int pose_settings_check_electrodes(const char *format, const char *electrodes, const char *path);
 
 /** Loads the probe; *out is NULL where there is none. */
 int probe_settings_load(conus_probe **out, const struct probe_settings *settings, uint64_t max_memory);

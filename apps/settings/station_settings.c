@@ -173,7 +173,7 @@ bool station_settings_check_screen(const struct station_settings *settings, cons
 static int read_matrix(double out[16], const char *path)
 {
     conus_pose_list *list = NULL;
-    const conus_pose_options options = {.format = CONUS_POSE_FORMAT_MATRIX};
+    const conus_pose_options options = {.format = "matrix"};
     conus_status status = conus_pose_list_load(&list, path, &options);
     if (status) {
         return print_status(status);

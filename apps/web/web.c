@@ -424,7 +424,7 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
     return status ? say_error() : end_text(out);
 }
 
-static conus_status write_report(conus_format format)
+static conus_status write_report(const char *format)
 {
     const conus_report_options options = {.format = format};
     conus_report_destroy(page.report);
@@ -433,12 +433,13 @@ static conus_status write_report(conus_format format)
     return status ? status : conus_report_add(page.report, "1", page.selection);
 }
 
-/* The rows of the answer, as enum conus_format says. */
+/* The rows of the answer, in a format of conus_format_at(). */
 EMSCRIPTEN_KEEPALIVE const char *web_rows(int format)
 {
     const char *text = NULL;
     size_t size = 0;
-    bool failed = !page.selection || write_report((conus_format)format) || conus_report_text(&text, &size, page.report);
+    bool failed = !page.selection || write_report(conus_format_at((size_t)format)->name) ||
+                  conus_report_text(&text, &size, page.report);
     return failed ? say_error() : text;
 }
 
@@ -447,7 +448,7 @@ EMSCRIPTEN_KEEPALIVE const char *web_sidecar(void)
 {
     const char *text = NULL;
     size_t size = 0;
-    bool failed = !page.selection || write_report(CONUS_FORMAT_TSV) || conus_report_sidecar(&text, &size, page.report);
+    bool failed = !page.selection || write_report("tsv") || conus_report_sidecar(&text, &size, page.report);
     return failed ? say_error() : text;
 }
 

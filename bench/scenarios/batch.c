@@ -135,7 +135,7 @@ static conus_status contender_init(struct contender *out, const struct scene *sc
     const conus_batch_options options = {.threads = way->threads,
                                          .block = way->one_by_one,
                                          .angle = way->selector->options.radius > 0 ? 0 : scene->angle,
-                                         .report = {.format = CONUS_FORMAT_TSV, .no_voxels = true}};
+                                         .report = {.format = "tsv", .no_voxels = true}};
     *out = (struct contender){.scene = scene, .way = way};
     conus_status status = way->no_rows ? conus_pose_list_load(&out->list, scene->path, NULL)
                                        : conus_batch_create(&out->batch, way->selector, &options);

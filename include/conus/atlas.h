@@ -565,9 +565,9 @@ CONUS_CHECKED conus_status conus_list_installed(conus_table **out, conus_log log
  * @param[out] out Columns name and help, of which most words have none; in the order of the enum, where there is one.
  * Of "errors" name, tilt_deg, shift_mm, entry_mm, target_mm, depth_mm, measured, source (conus_pose_error). End it with
  * conus_table_destroy().
- * @param what "pose formats" (conus_pose_options.format), "scores" (conus_selector_options.score), "spaces"
- * (#conus_space), "transfers" (presets of grey values for the context volume) or "errors" that are published, of which
- * the tilt of vr-controller is that of a target 4 degrees wide.
+ * @param what "formats" and "rows" (conus_report_options), "pose formats" (conus_pose_options.format), "scores"
+ * (conus_selector_options.score), "spaces" (#conus_space), "transfers" (presets of grey values for the context volume)
+ * or "errors" that are published, of which the tilt of vr-controller is that of a target 4 degrees wide.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another word or NULL. */
 CONUS_CHECKED conus_status conus_list_choices(conus_table **out, const char *what);
 /** @} */

@@ -27,8 +27,8 @@ typedef struct conus_batch_options {
                          With the gl engine one of them has the device at a time. */
     uint32_t block;   /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
     double angle;     /**< For poses that have none of their own, degrees; 0 = 10 degrees, or a cylinder's 0. */
-    conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
-                                    #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
+    conus_report_options report; /**< Its format is neither "table" nor "json". A probe,
+                                    "spikeglx" or "open-ephys", is one block of up to 65535
                                     contacts, whatever block says, and must be all that is in the stream. With a
                                     probe, one of a file, it is put at each pose of the stream: its contacts are asked,
                                     within the selector's radius, and called as the pose, a colon and the contact;
@@ -121,8 +121,8 @@ CONUS_CHECKED conus_status conus_pose_stream_count(uint64_t *count, conus_pose_s
 /** Returns whether the stream is live: it reads rows from a pipe as they come. */
 CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
 
-/** Gives the format of the poses. @return Never #CONUS_POSE_FORMAT_AUTO. */
-CONUS_API conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream);
+/** Gives the format of the poses, as conus_pose_format_name() has it. @return Never "auto". Static. */
+CONUS_API const char *conus_pose_stream_format(const conus_pose_stream *stream);
 
 /** Gives the space as the file names it. @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. */
 CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
@@ -185,7 +185,7 @@ CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
 CONUS_API const char *conus_pose_list_space(const conus_pose_list *list);
 
 /** Names the formats, for a program's options.
- * @param index From 0, as #conus_pose_format.
+ * @param index From 0.
  * @return "auto", "table" and so on; NULL past the last. Static. */
 CONUS_API const char *conus_pose_format_name(size_t index);
 
@@ -549,8 +549,11 @@ typedef struct conus_format_info {
     bool of_batch;    /**< conus_batch writes it. */
 } conus_format_info;
 
-/** Gives the format that a #conus_format stands for. @return NULL past the last. Static. */
+/** Gives the formats of reports one after the other. @return NULL past the last. Static. */
 CONUS_API const conus_format_info *conus_format_at(size_t format);
+
+/** Names what rows of reports are of, as conus_report_options.rows. @return NULL past the last. Static. */
+CONUS_API const char *conus_rows_name(size_t index);
 
 /** Says whether a column of reports holds numbers that are measured or counted.
  * @param name Name of the column, in whatever rows and list of voxels.
@@ -558,8 +561,8 @@ CONUS_API const conus_format_info *conus_format_at(size_t format);
 CONUS_API bool conus_column_is_number(const char *name);
 
 /** Adds the best combination of several needles. Without one it has no row.
- * @param report Of #CONUS_ROWS_NEEDLES, whose columns then are those of all needles' constraints, too, or of
- * #CONUS_ROWS_PAIRS. Nothing else is added to it.
+ * @param report Of "needles", whose columns then are those of all needles' constraints, too, or of
+ * "pairs". Nothing else is added to it.
  * @param together Its needles' selectors have the atlas and the frame of @p report; must outlive the last text of it.
  * @return #CONUS_ERROR_ARGUMENT in a report of other rows, for a second answer, and for needles of which the
  * constraints have too many columns together. */
@@ -568,7 +571,7 @@ CONUS_CHECKED conus_status conus_report_add_together(conus_report *report, const
 /** Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
  * between them; in JSON also their mean lengths, and the sources.
  * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
- * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
+ * @param report Of "connections", as "tsv", "csv" or "json".
  * @param table Of conus_connectivity() with pairs, as for conus_report_add_table(): its parts are written.
  * @return #CONUS_ERROR_ARGUMENT for another report; #CONUS_ERROR_UNSUPPORTED for more than 8192 areas. */
 CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, conus_report *report,
@@ -592,7 +595,7 @@ CONUS_CHECKED conus_status conus_report_grid_sidecar(const char **text, size_t *
  * all of its contacts, and their side.
  * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
  * @param[out] size Bytes, without the NUL.
- * @param report Of #CONUS_FORMAT_BEP032, with all contacts.
+ * @param report Of "bep032", with all contacts.
  * @return #CONUS_ERROR_ARGUMENT for another report, and while answers are missing. */
 CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
 
@@ -604,7 +607,7 @@ CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, 
 CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report);
 
 /** Writes the text of the answers since the last call and forgets them, for a report that goes on. The header row of
- * TSV, CSV and #CONUS_FORMAT_BIDS, or of a track's table, comes once, with the first call. Not for #CONUS_FORMAT_JSON
+ * TSV, CSV and "bids", or of a track's table, comes once, with the first call. Not for "json"
  * and the formats of probes, which are one whole.
  * @param[out] text As of conus_report_text().
  * @param[out] size Bytes, without the NUL.

@@ -407,7 +407,7 @@ typedef struct conus_candidates {
  * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
  * the numbers or names of entry, target, tilt and turn, from 1, without those that can only be 1; its line is its own
  * number. An entry that is the target itself is a row with an error.
- * @param[out] out The stream; end it with conus_pose_stream_destroy(). Its format is #CONUS_POSE_FORMAT_TABLE.
+ * @param[out] out The stream; end it with conus_pose_stream_destroy(). Its format is "table".
  * @param candidates Its arrays must outlive the stream.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for no entry or target, for one that is not finite, for a normal without
  * length, for none where they are needed, for tilts and turns out of their range, for a far end at targets that there

@@ -88,27 +88,6 @@ typedef enum conus_axis {
     CONUS_AXIS_MINUS_Z        /**< -z. */
 } conus_axis;
 
-/** The format of a file of poses; docs/formats.md describes each. */
-typedef enum conus_pose_format {
-    CONUS_POSE_FORMAT_AUTO = 0,   /**< The content decides. */
-    CONUS_POSE_FORMAT_TABLE,      /**< A table (TSV or CSV) whose header row names the columns. */
-    CONUS_POSE_FORMAT_MATRIX,     /**< Sixteen numbers, a row-major world_from_device. */
-    CONUS_POSE_FORMAT_POINTS,     /**< Lines of x y z and perhaps a name: points. */
-    CONUS_POSE_FORMAT_BRAINSIGHT, /**< Brainsight's export: targets, samples, electrodes. */
-    CONUS_POSE_FORMAT_LOCALITE,   /**< Localite's InstrumentMarker*.xml and TriggerMarkers*.xml. */
-    CONUS_POSE_FORMAT_ELECTRODES, /**< BIDS *_electrodes.tsv, with the *_coordsystem.json beside it: points. */
-    CONUS_POSE_FORMAT_MARKUPS,    /**< 3D Slicer's .mrk.json: lines, and points; .fcsv: points. */
-    CONUS_POSE_FORMAT_SIMNIBS,    /**< SimNIBS's matsimnibs, in MATLAB's files or as text. */
-    CONUS_POSE_FORMAT_NIBS,       /**< The proposal NIBS-BIDS: *_markers.tsv, with the *_coordsystem.json beside it. */
-    CONUS_POSE_FORMAT_INVESALIUS, /**< InVesalius's markers, .mkss. */
-    CONUS_POSE_FORMAT_LEAD_DBS,   /**< Lead-DBS's reconstruction: contacts in MNI space, points. */
-    CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, /**< Lead-DBS's reconstruction in the patient's own space. */
-    CONUS_POSE_FORMAT_IBL, /**< The International Brain Laboratory's xyz_picks.json and channel_locations.json:
-                                     points, in #CONUS_SPACE_CCF or #CONUS_SPACE_BREGMA only. */
-    CONUS_POSE_FORMAT_NWB, /**< Electrodes of Neurodata Without Borders: points, in the same spaces only. */
-    CONUS_POSE_FORMAT_LIST /**< Lists of other programs whose columns are known by their place: points. */
-} conus_pose_format;
-
 struct conus_place;         /* below */
 struct conus_place_options; /* below */
 
@@ -121,8 +100,9 @@ typedef struct conus_pose_options {
     size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_space space;        /**< Space of the numbers in the file, where it does not say so itself. */
     conus_axis axis;          /**< Where the file gives rotations. */
-    conus_pose_format format; /**< The format. */
-    bool along_shafts;        /**< #CONUS_POSE_FORMAT_ELECTRODES: not points, but poses at the contacts that point along
+    const char *format;       /**< The format (docs/formats.md), a name of conus_list_choices(): "table", "matrix",
+                                 "brainsight" and so on; NULL = "auto", the content decides. */
+    bool along_shafts;        /**< "electrodes": not points, but poses at the contacts that point along
                                  their shafts, each to the contact with the next higher number. */
     uint64_t max_memory;      /**< Largest file of a format that is read whole, in bytes; 0 = 1 GiB. */
     conus_log log;            /**< Receives what a careful user should know, while the file is opened and from
@@ -152,8 +132,8 @@ typedef struct conus_pose_options {
     bool any_space; /**< What titles, comments, headers and columns say of the brain is not heard. */
     bool of_mni305; /**< The atlas is of MNI 305: positions of that brain stay where they are, and are not moved to MNI
                        152. */
-    bool all_rows; /**< #CONUS_POSE_FORMAT_ELECTRODES: a contact without a position (n/a) is a row with an error, for an
-                      answer that has a row for each row of the table; otherwise it is passed over, with a note. */
+    bool all_rows;  /**< "electrodes": a contact without a position (n/a) is a row with an error, for an
+                       answer that has a row for each row of the table; otherwise it is passed over, with a note. */
     const conus_atlas *atlas;      /**< With @p find_place: where it finds places whose names stand in a table or a list
                                       in place of coordinates ("area,value", or a name a line), each row a point. It must
                                       outlive the stream and lie where it is asked. NULL = only names of positions of a
@@ -169,7 +149,7 @@ typedef struct conus_pose_options {
 /** One row of a pose file. */
 typedef struct conus_pose_row {
     const char *id;    /**< Column query_id, or the row's number from 1. Ids may repeat. */
-    size_t line;       /**< Line in the file, from 1; of #CONUS_POSE_FORMAT_MARKUPS the markup, of MATLAB's files
+    size_t line;       /**< Line in the file, from 1; of "markups" the markup, of MATLAB's files
                             the row. */
     conus_pose pose;   /**< Where the device is and points. */
     bool is_point;     /**< The row has only a position, no direction: the pose is not turned. */

@@ -21,47 +21,6 @@ extern "C" {
 
 typedef struct conus_report conus_report; /**< Answers collected for writing. */
 
-/** The format of a report. From #CONUS_FORMAT_AFNI on they are read by other programs, of #CONUS_ROWS_ANSWERS, as a
- * whole (docs/formats.md). */
-typedef enum conus_format {
-    CONUS_FORMAT_TABLE = 0,  /**< A table for people. */
-    CONUS_FORMAT_TSV,        /**< Tab-separated values. */
-    CONUS_FORMAT_CSV,        /**< The columns of #CONUS_FORMAT_TSV between commas (RFC 4180). */
-    CONUS_FORMAT_JSON,       /**< One JSON array. */
-    CONUS_FORMAT_NDJSON,     /**< One JSON object per line. */
-    CONUS_FORMAT_AFNI,       /**< The tables of AFNI's whereami -tab, of each query. */
-    CONUS_FORMAT_BIDS,       /**< A BIDS table of electrodes, with columns added. */
-    CONUS_FORMAT_SPIKEGLX,   /**< The areas along the shanks of a probe, in micrometres from the first contact, or from
-                                the tip. */
-    CONUS_FORMAT_OPEN_EPHYS, /**< The areas of a probe's channels, from 0. */
-    CONUS_FORMAT_BEP032      /**< The electrodes.tsv of the draft BEP032 of BIDS, of a probe's contacts. */
-} conus_format;
-
-/** Kind of a report's rows; each with its own columns. */
-typedef enum conus_rows {
-    CONUS_ROWS_ANSWERS = 0, /**< From conus_report_add(). */
-    CONUS_ROWS_SHARES, /**< From conus_report_add(), with the angle, and for people a table of shares by angle; answers
-                     in a row that have one id belong together. */
-    CONUS_ROWS_ADMISSIONS,  /**< Tables of conus_sweep(). */
-    CONUS_ROWS_CHANCES,     /**< Tables of conus_jitter(). */
-    CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
-                           #CONUS_FORMAT_TABLE. */
-    CONUS_ROWS_COVERAGES,   /**< Tables of conus_overlap(). */
-    CONUS_ROWS_SEGMENTS,    /**< Tables of conus_segments(). */
-    CONUS_ROWS_CONNECTIONS, /**< Tables of conus_connectivity(). */
-    CONUS_ROWS_CLEARANCES,  /**< Tables of conus_clearance(). */
-    CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
-    CONUS_ROWS_CONSTRAINTS, /**< From conus_report_add_plan(), a row for each pose and each constraint. */
-    CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
-    CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
-    CONUS_ROWS_CLUSTERS,    /**< Tables of conus_clusters(). */
-    CONUS_ROWS_NEEDLES,     /**< Of needles that were planned together, a row for each. */
-    CONUS_ROWS_PAIRS,       /**< Of needles that were planned together, a row for each two. */
-    CONUS_ROWS_CALIBRATION, /**< What trials say of the errors of pointing; without a selector. */
-    CONUS_ROWS_RELIABILITY, /**< How often posteriors are right. */
-    CONUS_ROWS_POSITIONS    /**< Positions of caps; without a selector. */
-} conus_rows;
-
 /** The order of the answers to a query. */
 typedef enum conus_order {
     CONUS_ORDER_RANK = 0, /**< The best score first. */
@@ -78,7 +37,7 @@ typedef struct conus_named_place {
 } conus_named_place;
 
 /** What tells answers apart besides their ids, and what is known of their poses: columns of rows and lines for people.
- * The formats from #CONUS_FORMAT_AFNI on have none of it. */
+ * The formats of other programs have none of it. */
 typedef struct conus_row_marks {
     bool has_number; /**< There is a column `row`. */
     bool has_time;   /**< There is a column `time_s`. */
@@ -92,35 +51,44 @@ typedef struct conus_row_marks {
 
 /** The content of a report, and how it is written. */
 typedef struct conus_report_options {
-    size_t struct_size;           /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */
-    conus_rows rows;              /**< Kind of its rows. */
-    conus_format format;          /**< Its format. */
+    size_t struct_size; /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */
+    /** What its rows are of, each with its own columns; a name of conus_list_choices(). "answers", "shares" and
+     * "summaries" come from conus_report_add(), "plan" and "constraints" from conus_report_add_plan(), "profile" from
+     * conus_report_add_profile(), "tolerance" from conus_report_add_tolerance(), others from tables: "admissions" of
+     * conus_sweep(), "chances" of conus_jitter(), "coverages" of conus_overlap(), "clusters", "segments",
+     * "connections", "clearances". Of "shares", which have the angle, answers in a row that have one id belong
+     * together. Of "summaries" each answer is one row, and "table" is no format. NULL = "answers". */
+    const char *rows;
+    /** "table" for people, "tsv", "csv" (RFC 4180), "json" (one array), "ndjson" (an object a line); or of another
+     * program, of "answers" as a whole (docs/formats.md): "afni", "bids", "spikeglx", "open-ephys", "bep032". A name of
+     * conus_list_choices(). NULL = "table". */
+    const char *format;
     conus_space space;            /**< Space of the positions written. */
     bool all_voxels;              /**< Voxels of areas are kept, too, not only of pathways. */
     bool no_voxels;               /**< Do not keep any for it: quicker, and less memory. */
     const char *command;          /**< The command line, for the provenance; NULL = none. */
     const conus_tracker *tracker; /**< For a report on its steps, with the columns time_s, selected and confirmed; it
                                      must outlive the report. NULL = none. */
-    bool selected_only;     /**< Rows of a step only for the selected and the confirmed object; if there is none, for
-                               unassigned. */
-    const char *electrodes; /**< For #CONUS_FORMAT_BIDS: the text of the table; each of its rows is a query, errors
-                               among them. NULL = none. */
-    const char *atlas; /**< Value of a column `atlas`, behind `query`, in each row; not for #CONUS_FORMAT_AFNI and the
-                          formats behind it. NULL = there is no such column. */
+    bool selected_only;       /**< Rows of a step only for the selected and the confirmed object; if there is none, for
+                                 unassigned. */
+    const char *electrodes;   /**< For "bids": the text of the table; each of its rows is a query, errors
+                                 among them. NULL = none. */
+    const char *atlas;        /**< Value of a column `atlas`, behind `query`, in each row; not in formats of other
+                                 programs. NULL = there is no such column. */
     const conus_frame *frame; /**< Frame of the positions written, instead of @p space; copied. NULL = @p space, which
                                  then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
-    conus_order order;        /**< For #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
-    conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: tables of conus_segments(). */
-    double within; /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearance(), which a batch calls with it; mm, 0 = only
+    conus_order order;        /**< For "answers" in the formats up to "ndjson", not of a track. */
+    conus_contacts contacts;  /**< For "open-ephys", of shanks: tables of conus_segments(). */
+    double within; /**< For "clearances": that of conus_clearance(), which a batch calls with it; mm, 0 = only
                       what the needle meets, INFINITY = all objects. */
-    const conus_probe *probe; /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: each query is a contact of these,
-                                 in their order, with the columns probe, shank_id and channel; #CONUS_FORMAT_BEP032
+    const conus_probe *probe; /**< For "answers" and "summaries": each query is a contact of these,
+                                 in their order, with the columns probe, shank_id and channel; "bep032"
                                  needs it. It must outlive the report. NULL = none. */
-    bool placed; /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, not those on the
-                    probe. */
-    bool points; /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
-                    or the apex, that was asked. */
-    bool radii;  /**< With @p points: a column radius_mm with the radius of the ball, 0 of a point alone. */
+    bool placed;              /**< For "bep032": x, y and z are positions in @p space or @p frame, not those on the
+                                 probe. */
+    bool points;              /**< For "answers" and "summaries": columns x, y and z with the point,
+                                 or the apex, that was asked. */
+    bool radii; /**< With @p points: a column radius_mm with the radius of the ball, 0 of a point alone. */
     const conus_named_place *places; /**< [place_count] How the question was understood: the first lines of a table for
                                         people; points are "Places" of JSON and sidecar, sentences "Understood". They
                                         must outlive the report. */
@@ -153,7 +121,7 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
                                             const conus_selection *selection);
 
 /** Adds the answer of a study: of conus_sweep(), conus_jitter(), conus_overlap(), conus_clusters(), conus_segments(),
- * conus_clearance() or conus_connectivity(). To #CONUS_FORMAT_SPIKEGLX and #CONUS_FORMAT_OPEN_EPHYS segments are a
+ * conus_clearance() or conus_connectivity(). To "spikeglx" and "open-ephys" segments are a
  * shank, whose tip is at the far end of the selector's range; then all queries are shanks.
  * @param report The report.
  * @param query_id As for conus_report_add().
@@ -162,15 +130,15 @@ CONUS_CHECKED conus_status conus_report_add(conus_report *report, const char *qu
 CONUS_CHECKED conus_status conus_report_add_table(conus_report *report, const char *query_id, conus_table *table);
 
 /** Adds the poses that a plan lists.
- * @param report Of #CONUS_ROWS_PLAN, whose columns then are those of the plan's constraints, too, or of
- * #CONUS_ROWS_CONSTRAINTS. Nothing else is added to it.
+ * @param report Of "plan", whose columns then are those of the plan's constraints, too, or of
+ * "constraints". Nothing else is added to it.
  * @param plan Of the report's selector; must outlive the last text of @p report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan. */
 CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_plan *plan);
 
 /** Adds the distances of the axes that a plan lists from the structures to be avoided, from their near to their far
  * ends: a row for each depth, the last one at the far end, and each structure that is avoided by clearance.
- * @param report Of #CONUS_ROWS_PROFILE. Nothing else is added to it.
+ * @param report Of "profile". Nothing else is added to it.
  * @param plan As for conus_report_add_plan().
  * @param step mm from depth to depth, more than 0.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second plan, and for a step that is out of
@@ -179,7 +147,7 @@ CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_
 
 /** Adds how far the poses that a plan lists may be off: a row for each side of each degree of freedom, and with a box
  * one of all at once (Eq. 23).
- * @param report Of #CONUS_ROWS_TOLERANCE. Nothing else is added to it.
+ * @param report Of "tolerance". Nothing else is added to it.
  * @param plan As for conus_report_add_plan().
  * @param options Where the pivot is; shifts are along the axes of the report's space, whatever these say. NULL =
  * defaults.
@@ -198,7 +166,7 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
                                                   const char *reason);
 
 /** Joins a report on another atlas, which was asked the same: each text of @p report has, for each query (of
- * #CONUS_ROWS_SHARES for all answers that belong together), its own rows and behind them those of @p more, then those
+ * "shares" for all answers that belong together), its own rows and behind them those of @p more, then those
  * of reports that are joined later. The queries are added to each report, in the same order.
  * @param report The report whose texts are taken from now on.
  * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.

@@ -81,7 +81,7 @@ static void sheet_read(const struct pose_reading *to, struct buffer *sheet, cons
     size_t absent = 0;
     size_t first_absent = 0;
     options.keep_count = 0;
-    options.format = CONUS_POSE_FORMAT_AUTO;
+    options.format = NULL;
     (void)JOB_CALL(job, buffer_status(sheet));
     columns_plan(job, &columns, &is_short, rest, &options);
     columns_check_name(job, &columns, to->path, rest, &options, to->list->space.name[0]);

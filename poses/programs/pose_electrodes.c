@@ -202,7 +202,7 @@ void pose_electrodes_parse(struct pose_reading *to, struct text text)
     own.axis = CONUS_AXIS_OF_FORMAT;
     own.unit = list->space.scale > 0 ? list->space.scale : options->unit;
     own.any_space = options->any_space || list->coordsystem; /* which says what they are */
-    own.format = CONUS_POSE_FORMAT_AUTO;
+    own.format = NULL;
     struct reading reading = {.job = to->job, .to = {.job = to->job, .list = list, .options = &own}};
     pose_refuse_axis(to, "contacts");
     pose_note_space(to->job, to->options, !is_ras);

@@ -120,7 +120,7 @@ static void refuse_json(struct job *job, const json_t *root)
                             "nor \"channel_N\" of IBL's, and no names with three numbers each");
 }
 
-conus_pose_format pose_json_find(struct pose_reading *to, struct text text)
+enum pose_format pose_json_find(struct pose_reading *to, struct text text)
 {
     json_t *root = pose_json(to, text);
     bool is_ibl = pose_ibl_is(root);
@@ -128,7 +128,7 @@ conus_pose_format pose_json_find(struct pose_reading *to, struct text text)
     if (!is_ibl && !is_list && !json_is_array(json_object_get(root, "markups"))) {
         refuse_json(to->job, root);
     }
-    return is_ibl ? CONUS_POSE_FORMAT_IBL : is_list ? CONUS_POSE_FORMAT_LIST : CONUS_POSE_FORMAT_MARKUPS;
+    return is_ibl ? POSE_FORMAT_IBL : is_list ? POSE_FORMAT_LIST : POSE_FORMAT_MARKUPS;
 }
 
 void pose_markups_parse(struct pose_reading *to, struct text text)

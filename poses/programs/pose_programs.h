@@ -48,7 +48,7 @@ void pose_ibl_parse(struct pose_reading *to, struct text text);
 /** Whether @p root is such JSON: it has the key xyz_picks, or channel_N of any number. */
 bool pose_ibl_is(json_t *root);
 /** Which program's JSON @p text is, by its keys; a failure where it is none of poses. */
-conus_pose_format pose_json_find(struct pose_reading *to, struct text text);
+enum pose_format pose_json_find(struct pose_reading *to, struct text text);
 
 /** InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
 void pose_invesalius_parse(struct pose_reading *to, struct text text);

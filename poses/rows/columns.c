@@ -1670,12 +1670,18 @@ static void note_places(const struct head *head)
              are_called_so ? ", and is called so; FILE,name=COLUMN calls rows by another" : "");
 }
 
+/* Whether the options say this format. */
+static bool is_asked(const conus_pose_options *options, const char *format)
+{
+    return strcmp(options->format ? options->format : "auto", format) == 0;
+}
+
 static void plan_bare(struct head *head)
 {
     struct job *job = head->job;
     const conus_pose_options *options = head->options;
     struct columns *out = head->out;
-    bool is_table = options->format == CONUS_POSE_FORMAT_TABLE;
+    bool is_table = is_asked(options, "table");
     const struct text of_axes = columns_word_of_axes(&head->words);
     out->has_header = false;
     out->count = 0;
@@ -1793,10 +1799,10 @@ static void plan(struct head *head, bool *is_short)
         decide_by_header(head);
     }
     find_rows(head);
-    out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
+    out->has_header = !is_asked(options, "points") && find_header(head);
     bool has_none = (!head->family_count || head->lacks_space) && !out->has[ROLE_M00] && !head->is_named;
     if (!out->is_bids && (head->words.place.size ? options->atlas != NULL : has_none) &&
-        options->format <= CONUS_POSE_FORMAT_POINTS) {
+        (is_asked(options, "auto") || is_asked(options, "table") || is_asked(options, "points"))) {
         columns_find_places(head, roles[sizeof roles / sizeof roles[0] - 1].names);
     }
     if (out->place && out->has_header) {

@@ -26,6 +26,26 @@ struct kept_text {
 /** Writes it, with single marks and no zero behind it, up to @p most bytes; how many these are. */
 size_t kept_text_put(char *out, size_t most, const struct kept_text *kept);
 
+/** The formats of files of poses: their words are those of conus_pose_options.format. */
+enum pose_format {
+    POSE_FORMAT_AUTO = 0, /**< The content decides. */
+    POSE_FORMAT_TABLE,
+    POSE_FORMAT_MATRIX,
+    POSE_FORMAT_POINTS,
+    POSE_FORMAT_BRAINSIGHT,
+    POSE_FORMAT_LOCALITE,
+    POSE_FORMAT_ELECTRODES,
+    POSE_FORMAT_MARKUPS,
+    POSE_FORMAT_SIMNIBS,
+    POSE_FORMAT_NIBS,
+    POSE_FORMAT_INVESALIUS,
+    POSE_FORMAT_LEAD_DBS,
+    POSE_FORMAT_LEAD_DBS_NATIVE,
+    POSE_FORMAT_IBL,
+    POSE_FORMAT_NWB,
+    POSE_FORMAT_LIST
+};
+
 /** The formats of a text of poses, for messages. */
 #define POSE_FORMATS                                                                                                   \
     "a header line and one line per pose, a 4 x 4 matrix, lines of x y z, or another program's file (docs/formats.md)"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pandas
     from ._atlas import Selector
 
-_FORMATS = {".tsv": "TSV", ".csv": "CSV", ".json": "JSON", ".ndjson": "NDJSON", ".jsonl": "NDJSON", ".txt": "TABLE"}
+_FORMATS = {".tsv": "tsv", ".csv": "csv", ".json": "json", ".ndjson": "ndjson", ".jsonl": "ndjson", ".txt": "table"}
 
 _SHANKS = {"any": -1, "all": -2}  # CONUS_SHANK_ANY, CONUS_SHANK_ALL
 _POINTS = ("tip", "crossed")  # of an axis, without a number
@@ -220,8 +220,8 @@ def report_text(selector: Selector, rows: str, form: str, add: Any, made: Any, *
     """The text of a report of ``made``, which ``add`` adds to it."""
     options, out = ffi.new("conus_report_options *"), ffi.new("conus_report **")
     text_out, size = ffi.new("char **"), ffi.new("size_t *")
-    options.rows = getattr(lib, f"CONUS_ROWS_{rows}")
-    options.format = getattr(lib, f"CONUS_FORMAT_{form}")
+    words = ffi.new("char[]", rows.encode()), ffi.new("char[]", form.encode())
+    options.rows, options.format = words
     options.frame = selector.space._frame if selector.space else ffi.NULL
     selector._call(lib.conus_report_create, out, selector._p, options)
     report = owned(out[0], lib.conus_report_destroy, made)
@@ -279,24 +279,24 @@ class Plan(Bound):
         return ask_table(lib.conus_plan_list, self._p, utf8("what", what))
 
     def _text(self, rows: str, form: str, step: Any = None) -> str:
-        add = "plan" if step is None else rows.lower()
+        add = "plan" if step is None else rows
         return report_text(self._selector, rows, form, getattr(lib, f"conus_report_add_{add}"), self._p,
                            *(() if step is None else (step,)))
 
     def _table(self, rows: str, step: Any = None) -> pandas.DataFrame:
-        return frame_of_rows(self._text(rows, "TSV", step))
+        return frame_of_rows(self._text(rows, "tsv", step))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The rows of ``conus plan``, under the names of their columns."""
-        return self._table("PLAN")
+        return self._table("plan")
 
     def verdicts(self) -> pandas.DataFrame:
         """A row for each pose and constraint: those of ``--constraints``."""
-        return self._table("CONSTRAINTS")
+        return self._table("constraints")
 
     def profile(self, step: float = 1) -> pandas.DataFrame:
         """How far each needle is from what it is to avoid, from ``step`` to ``step`` mm of depth: ``--profile``."""
-        return self._table("PROFILE", real("step", step))
+        return self._table("profile", real("step", step))
 
     def try_pose(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
                  near: Optional[float] = None, depth: Optional[float] = None) -> dict[str, Any]:
@@ -330,7 +330,7 @@ class Plan(Bound):
             options.pivot = real("pivot", pivot)
         elif pivot not in ("entry", "tip"):
             raise ArgumentError(f"pivot: {shown(pivot)} is neither a number nor entry nor tip")
-        return self._table("TOLERANCE", options)
+        return self._table("tolerance", options)
 
     def map(self, key: str, of: str = "entries") -> Array:
         """A number of the best pose of each entry, or target, listed or not: the values of ``--map``.
@@ -351,7 +351,7 @@ class Plan(Bound):
         ending = os.path.splitext(os.fspath(path))[1]
         if ending not in _FORMATS:
             raise ArgumentError(f"path: {shown(path)} ends in none of {', '.join(_FORMATS)}")
-        rows = self._text("PLAN", _FORMATS[ending]).encode()
+        rows = self._text("plan", _FORMATS[ending]).encode()
         check(lib.conus_write_file(path_of("path", path), rows, len(rows)))
 
     def _repr_html_(self) -> str:

@@ -24,6 +24,7 @@ from ._library import (
     python_words,
     shown,
     text,
+    utf8,
 )
 from ._space import space_of
 from ._table import choices
@@ -222,7 +223,9 @@ def read_poses(
         For a file that cannot be read, is no file of poses, or is beyond conus.
     """
     options, out = ffi.new("conus_pose_options *"), ffi.new("conus_pose_list **")
-    options.format, options.axis = choice("format", format, pose_formats()), choice("axis", axis, _AXES)
+    choice("format", format, pose_formats())
+    word = utf8("format", format)
+    options.format, options.axis = word, choice("axis", axis, _AXES)
     options.any_space = flag("any_space", any_space)
     options.along_shafts, options.max_memory = flag("along_shafts", along_shafts), byte_count("max_memory", max_memory)
     if space in ("ccf", "bregma") and atlas is None:

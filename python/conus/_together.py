@@ -113,8 +113,10 @@ class Together(Bound):
 
     def __init__(self, selector: Selector, together: Any, covers: int) -> None:
         self._selector, self._p, self._made_of = selector, together, selector._p
-        count = lib.conus_together_count(together)
-        self.needles = [text(lib.conus_together_needle(together, i).name) for i in range(count)]
+        self.needles: list[str] = []
+        while needle := lib.conus_together_needle(together, len(self.needles)):
+            self.needles.append(text(needle.name))
+        count = len(self.needles)
         found: list[Any] = []
         while one := lib.conus_together_combination(together, len(found)):
             found.append(one)
@@ -144,7 +146,7 @@ class Together(Bound):
     def to_dataframe(self) -> pandas.DataFrame:
         """The rows of ``conus plan --needles``, under the names of their columns."""
         self._selector._check_made(self._made_of)
-        return frame_of_rows(report_text(self._selector, "NEEDLES", "TSV", lib.conus_report_add_together, self._p))
+        return frame_of_rows(report_text(self._selector, "needles", "tsv", lib.conus_report_add_together, self._p))
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())

@@ -46,6 +46,8 @@ struct batch_atlas {
 
 struct conus_batch {
     conus_batch_options options; /* defaults filled in */
+    enum report_rows kind;       /* what the names of its report mean */
+    const conus_format_info *format;
     conus_frame frame;           /* that of options.report, where it has one */
     conus_row_marks *marks;      /* [threads] those of options.report, for each thread; NULL = none */
     const char **texts;          /* [threads * the marks' count] their texts */
@@ -77,17 +79,17 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
                                 .reports = memory_zeroed(options->threads, sizeof(conus_report *))};
     bool fits = memory_reserve(&batch->atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
     double radius = selector->options.radius; /* of other programs' formats most have no place for what is only near */
-    bool has_axes = report_is_of_axes(report->rows) || report_is_of_probe(report->format);
+    bool has_axes = report_is_of_axes(batch->kind) || batch->format->is_of_probe;
     conus_status status = fits && atlas.workers && atlas.reports ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status || !has_axes                     ? status
-             : report->rows == CONUS_ROWS_CLEARANCES ? selector_prepare_clearance(selector)
-                                                     : selector_prepare_axis(selector);
+    status = status || !has_axes              ? status
+             : batch->kind == ROWS_CLEARANCES ? selector_prepare_clearance(selector)
+                                              : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
         conus_report_options own = *report;
         own.marks = batch->marks ? &batch->marks[i] : NULL;
         status = batch_worker_init(
             &atlas.workers[i], selector, options->block, options->angle,
-            (struct batch_points){report_is_foreign(report->format) ? fmax(radius, CONUS_POINT_RADIUS) : radius,
+            (struct batch_points){batch->format->is_foreign ? fmax(radius, CONUS_POINT_RADIUS) : radius,
                                   options->point_error});
         status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, &own);
         if (!status) {
@@ -109,18 +111,25 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
 conus_status conus_batch_create(conus_batch **out, conus_selector *selector, const conus_batch_options *options)
 {
     conus_batch_options filled = *options_of(conus_batch_options, options);
-    if (filled.report.format == CONUS_FORMAT_TABLE || filled.report.format == CONUS_FORMAT_JSON) {
+    enum report_rows kind;
+    enum report_number as;
+    conus_status status = report_rows_find(&kind, filled.report.rows);
+    status = status ? status : report_format_find(&as, filled.report.format);
+    if (status) {
+        return status;
+    }
+    const conus_format_info *format = conus_format_at(as);
+    if (!format->of_batch && !format->is_foreign) {
         return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
-    if (filled.report.probe &&
-        (conus_probe_count(filled.report.probe) != 1 || report_is_foreign(filled.report.format) ||
-         !isfinite(filled.report.roll) || !(filled.report.depth >= 0))) {
+    if (filled.report.probe && (conus_probe_count(filled.report.probe) != 1 || format->is_foreign ||
+                                !isfinite(filled.report.roll) || !(filled.report.depth >= 0))) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "probe: a batch places one, in rows of its own, turned by a number of degrees "
                     "and 0 mm or more deep");
     }
-    conus_status status = batch_check_options(&filled.threads, &filled.block, &filled.angle, selector);
-    if (report_is_of_probe(filled.report.format)) {
+    status = batch_check_options(&filled.threads, &filled.block, &filled.angle, selector);
+    if (format->is_of_probe) {
         filled.threads = 1;
         filled.block = BATCH_BLOCK_LIMIT;
     }
@@ -138,6 +147,8 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         return CONUS_ERROR_MEMORY;
     }
     batch->options = filled;
+    batch->kind = kind;
+    batch->format = format;
     batch->rows_at_once = rows;
     if (filled.report.frame) { /* the caller's may end */
         batch->frame = *filled.report.frame;
@@ -323,7 +334,7 @@ static conus_status read_poses(struct block *block, const conus_batch *batch, co
             } else {
                 add_row(block, &rows[i],
                         has_probe ? "a point, without the direction that a probe needs" : rows[i].error,
-                        report_is_foreign(report->format));
+                        batch->format->is_foreign);
             }
         }
         if (status || count == 0) {
@@ -340,7 +351,7 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     struct block *block = &batch->blocks[slot];
     conus_status status = read_poses(block, batch, run->poses, run->left);
     bool is_all = block->first == 0 && block->rows < batch->rows_at_once && block->rows < run->left;
-    if (!status && block->rows && !is_all && report_is_of_probe(batch->options.report.format)) {
+    if (!status && block->rows && !is_all && batch->format->is_of_probe) {
         status =
             fail(CONUS_ERROR_ARGUMENT,
                  "format: a probe is written as a whole, but these are contacts %llu to %llu, and there may be more",
@@ -416,14 +427,14 @@ static conus_status add_axis_to_report(void *user, size_t index, conus_table *ta
 static conus_status find_axes(bool *out, const struct block *block, const conus_report *report)
 {
     size_t with[2] = {0};
-    for (size_t i = 0; i < block->count && report_is_of_probe(report->options.format); i++) {
+    for (size_t i = 0; i < block->count && conus_format_at(report->as)->is_of_probe; i++) {
         with[block->poses[i].is_point] += !block->poses[i].is_no_pose;
     }
     if (with[0] && with[1]) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "format: of the poses %zu have a direction, as shanks do, and %zu are contacts", with[0], with[1]);
     }
-    *out = with[0] || report_is_of_axes(report->options.rows);
+    *out = with[0] || report_is_of_axes(report->kind);
     return CONUS_OK;
 }
 
@@ -434,7 +445,7 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     struct block *block = &batch->blocks[slot];
     conus_report *first = batch->atlases[0].reports[worker];
     bool of_axes = false;
-    const double *within = first->options.rows == CONUS_ROWS_CLEARANCES ? &first->options.within : NULL;
+    const double *within = first->kind == ROWS_CLEARANCES ? &first->options.within : NULL;
     conus_status status = find_axes(&of_axes, block, first);
     for (size_t i = 0; i < batch->atlas_count && !status; i++) {
         const struct batch_atlas *atlas = &batch->atlases[i];

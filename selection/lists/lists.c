@@ -39,6 +39,17 @@ static struct choice_row plain_choice(const char *name)
 
 static struct choice_row format_choice(size_t index)
 {
+    const conus_format_info *info = conus_format_at(index);
+    return plain_choice(info ? info->name : NULL);
+}
+
+static struct choice_row rows_choice(size_t index)
+{
+    return plain_choice(conus_rows_name(index));
+}
+
+static struct choice_row pose_format_choice(size_t index)
+{
     return plain_choice(conus_pose_format_name(index));
 }
 
@@ -62,10 +73,8 @@ static const struct {
     const char *name;
     struct choice_row (*at)(size_t index);
 } choices[] = {
-    {"pose formats", format_choice},
-    {"scores", score_choice},
-    {"spaces", space_choice},
-    {"transfers", transfer_choice},
+    {"formats", format_choice}, {"pose formats", pose_format_choice}, {"rows", rows_choice}, {"scores", score_choice},
+    {"spaces", space_choice},   {"transfers", transfer_choice},
 };
 
 struct error_row {
@@ -111,8 +120,8 @@ conus_status conus_list_choices(conus_table **out, const char *what)
         at++;
     }
     if (at == sizeof choices / sizeof *choices) {
-        return fail(CONUS_ERROR_ARGUMENT, "what: %s, allowed are errors, pose formats, scores, spaces and transfers",
-                    what);
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "what: %s, allowed are errors, formats, pose formats, rows, scores, spaces and transfers", what);
     }
     size_t count = 0;
     while (choices[at].at(count).name) {

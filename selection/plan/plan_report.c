@@ -311,10 +311,10 @@ static conus_status add_pairs(conus_report *report, const conus_together *togeth
 
 conus_status conus_report_add_together(conus_report *report, const conus_together *together)
 {
-    const conus_rows rows = report->options.rows;
-    if (rows < CONUS_ROWS_NEEDLES || report->needles.count) {
+    const enum report_rows rows = report->kind;
+    if (rows < ROWS_NEEDLES || report->needles.count) {
         return fail(CONUS_ERROR_ARGUMENT, "report: several needles, but %s",
-                    rows < CONUS_ROWS_NEEDLES ? "its rows are of something else" : "there are some already");
+                    rows < ROWS_NEEDLES ? "its rows are of something else" : "there are some already");
     }
     struct report_needles added = {0};
     conus_status status = fill_needles(&added, together);
@@ -323,7 +323,7 @@ conus_status conus_report_add_together(conus_report *report, const conus_togethe
         return status;
     }
     report->needles = added;
-    if (rows == CONUS_ROWS_PAIRS) {
+    if (rows == ROWS_PAIRS) {
         return add_pairs(report, together);
     }
     for (size_t n = 0; n < added.combination_count && !status; n++) {
@@ -342,8 +342,8 @@ conus_status conus_report_add_together(conus_report *report, const conus_togethe
 
 conus_status conus_report_add_plan(conus_report *report, conus_plan *plan)
 {
-    bool of_constraints = report->options.rows == CONUS_ROWS_CONSTRAINTS;
-    conus_status status = begin_plan(report, plan, of_constraints || report->options.rows == CONUS_ROWS_PLAN);
+    bool of_constraints = report->kind == ROWS_CONSTRAINTS;
+    conus_status status = begin_plan(report, plan, of_constraints || report->kind == ROWS_PLAN);
     size_t count = of_constraints ? report->plan.count : 1;
     for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
         struct report_row *rows;
@@ -386,7 +386,7 @@ static conus_status add_profile(conus_report *report, conus_plan *plan, size_t i
 conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan, const conus_tolerance_options *options)
 {
     conus_tolerance_options filled = *options_of(conus_tolerance_options, options);
-    conus_status status = begin_plan(report, plan, report->options.rows == CONUS_ROWS_TOLERANCE);
+    conus_status status = begin_plan(report, plan, report->kind == ROWS_TOLERANCE);
     for (int a = 0; a < 3; a++) {
         const double axis[3] = {a == 0, a == 1, a == 2};
         conus_frame_direction_to_world(filled.shifts[a], &report->frame, axis);
@@ -409,7 +409,7 @@ conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan, 
 
 conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step)
 {
-    conus_status status = begin_plan(report, plan, report->options.rows == CONUS_ROWS_PROFILE);
+    conus_status status = begin_plan(report, plan, report->kind == ROWS_PROFILE);
     for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
         const conus_planned *pose = conus_plan_pose(plan, i);
         double depths = ceil((pose->far - pose->near) / step - 1e-9); /* a sum of steps may be rounded */

@@ -12,28 +12,11 @@ struct report_format {
     conus_status (*part)(struct buffer *out, const conus_report *report);
     conus_status (*whole)(struct buffer *out, const conus_report *report); /**< In place of both: all there is. */
 };
-
-/** Of a format: another program reads it, it is one string of a whole probe, batches write it, it has columns. */
-enum format_facts { FOREIGN = 1, OF_PROBE = 2, OF_BATCH = 4, IN_COLUMNS = 8 };
-
-/** All formats, in the order of conus_format: ROW(NAME, WORD, FACTS). A new one is a row here, and a file that defines
- * its report_format_NAME. */
-#define REPORT_FORMATS(ROW)                                                                                            \
-    ROW(table, "table", IN_COLUMNS)                                                                                    \
-    ROW(tsv, "tsv", OF_BATCH | IN_COLUMNS)                                                                             \
-    ROW(csv, "csv", OF_BATCH | IN_COLUMNS)                                                                             \
-    ROW(json, "json", IN_COLUMNS)                                                                                      \
-    ROW(ndjson, "ndjson", OF_BATCH | IN_COLUMNS)                                                                       \
-    ROW(afni, "afni", FOREIGN | OF_BATCH)                                                                              \
-    ROW(bids, "bids", FOREIGN | OF_BATCH | IN_COLUMNS)                                                                 \
-    ROW(spikeglx, "spikeglx", FOREIGN | OF_PROBE | OF_BATCH)                                                           \
-    ROW(open_ephys, "open-ephys", FOREIGN | OF_PROBE | OF_BATCH)                                                       \
-    ROW(bep032, "bep032", FOREIGN | IN_COLUMNS)
-#define REPORT_FORMAT_DECLARED(name, word, facts) extern const struct report_format report_format_##name;
+#define REPORT_FORMAT_DECLARED(number, name, word, facts) extern const struct report_format report_format_##name;
 REPORT_FORMATS(REPORT_FORMAT_DECLARED)
 
 /** Whether sidecars describe columns of the format. */
-bool report_in_columns(conus_format format);
+bool report_in_columns(enum report_number format);
 
 /* report_rows.c: TSV, CSV and NDJSON. */
 void report_write_cell(struct buffer *out, struct cell cell);
@@ -73,6 +56,58 @@ conus_status report_add_voxels(conus_report *report, const conus_selection *sele
 
 /* Shared by the tables for people. */
 
+/** How a value of a row is shown. */
+enum look {
+    LOOK_NAME,        /**< The row's object; `none` where it has none. */
+    LOOK_TEXT,        /**< A text; `none` where the column `beside` is n/a. As wide as the longest of those with, or
+                         without `beside`. */
+    LOOK_LABEL,       /**< The label of the object. */
+    LOOK_COUNT,       /**< A count. */
+    LOOK_FIXED,       /**< A number with `digits` behind the point. */
+    LOOK_PERCENT,     /**< Likewise, a hundred times as much. */
+    LOOK_SHORT,       /**< A number with `digits` that count. */
+    LOOK_VOLUME,      /**< A volume, by table_volume(). */
+    LOOK_SHARE,       /**< A share of the rays, by text_share(). */
+    LOOK_STRIKES,     /**< A clearance; where there is none a word by the distance in the column `beside`. */
+    LOOK_STREAMLINES, /**< How many of all of the result's streamlines. */
+    LOOK_POINT,       /**< Columns `column`x, y and z. */
+    LOOK_PLACE        /**< Likewise, between commas. */
+};
+
+/** A column of a table for people: what is shown of the row's table, or of its result. */
+struct shown {
+    const char *title, *unit; /**< Above each other; a unit NULL = that of the space, and its axes beside the title. */
+    enum look look;
+    int width;          /**< Of texts the least; of names by the report. */
+    const char *column; /**< Of the table; NULL: the value is in conus_result, */
+    size_t offset;      /**< here, */
+    size_t size;        /**< so many bytes. */
+    int digits;
+    const char *none;  /**< For n/a; NULL = "". */
+    const char *after; /**< Each value; NULL = "". */
+    const char *beside;
+    enum { WITH_ALL, WITH_LAYERS, WITH_WEIGHT, WITH_POSTERIOR, WITH_DOSES, WITH_MEANS, WITH_BUNDLES } with;
+    enum { IN_ALL, IN_OBJECTS, IN_BUNDLES } in; /**< The rows that have it; others have spaces there, or end before. */
+};
+
+enum { SHOWN_LIMIT = 24 };
+
+/** Columns up to the one without a title, and how wide they are. */
+struct layout {
+    const struct shown *columns;
+    int widths[SHOWN_LIMIT];
+};
+
+/** Finds the widths that the rows of all joined reports need. */
+struct layout table_lay_out(const conus_report *report, const struct shown *columns);
+
+/** Writes the line of titles, or that of units. */
+void table_write_heading(struct buffer *out, const conus_report *report, const struct layout *layout, bool is_unit);
+
+/** Writes a row, without its end of line. */
+void table_write_row(struct buffer *out, const conus_report *report, const struct layout *layout,
+                     const struct report_row *row);
+
 #define TABLE_NOTHING "(nothing hit)"
 
 enum { TABLE_LABEL_SIZE = 24 };
@@ -94,11 +129,11 @@ int report_share_digits(const conus_report *report);
 /** A number of a row of a table: NaN where it is n/a. */
 double report_number(const struct report_row *row, const char *column);
 
-/** A text of it: "" where it is n/a. */
-const char *report_text(const struct report_row *row, const char *column);
-
 /** Columns for the longest name in the report and in those joined with it, up to a limit. */
 int table_name_width(const conus_report *report);
+
+/** Columns on a terminal of a UTF-8 text, one per code point (good enough for area names). */
+int table_width(const char *text);
 
 /** @p width, or columns for @p name where that needs more, up to the limit. */
 int table_wider(int width, const char *name);

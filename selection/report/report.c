@@ -25,35 +25,32 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
     return report->level && report->level_areas ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status check_options(const conus_report_options *options)
+static conus_status check_options(const conus_report_options *options, enum report_rows rows, enum report_number format)
 {
-    bool foreign = report_is_foreign(options->format);
-    if (!conus_format_at(options->format)) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: %d, there is none of this number", (int)options->format);
-    }
-    if (options->rows == CONUS_ROWS_SUMMARIES && options->format == CONUS_FORMAT_TABLE) {
+    bool foreign = conus_format_at(format)->is_foreign;
+    if (rows == ROWS_SUMMARIES && format == REPORT_TABLE) {
         return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
     }
-    if (foreign && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
+    if (foreign && (rows != ROWS_ANSWERS || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "format: formats of other programs hold answers, not tracks");
     }
-    if (options->order && (foreign || options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
+    if (options->order && (foreign || rows != ROWS_ANSWERS || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "order: by depth: only answers have it, in formats up to NDJSON, not tracks");
     }
     if (options->atlas && (foreign || !*options->atlas)) {
         return fail(CONUS_ERROR_ARGUMENT,
                     foreign ? "atlas: formats of other programs have no such column" : "atlas: the name is empty");
     }
-    if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
+    if ((format == REPORT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
     }
-    if (options->format == CONUS_FORMAT_BEP032 && !options->probe) {
+    if (format == REPORT_BEP032 && !options->probe) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: BEP032 lists the contacts of probes, and there is none");
     }
-    if (options->placed && options->format != CONUS_FORMAT_BEP032) {
+    if (options->placed && format != REPORT_BEP032) {
         return fail(CONUS_ERROR_ARGUMENT, "placed: only BEP032 has positions on the probe otherwise");
     }
-    bool of_contacts = options->rows == CONUS_ROWS_ANSWERS || options->rows == CONUS_ROWS_SUMMARIES;
+    bool of_contacts = rows == ROWS_ANSWERS || rows == ROWS_SUMMARIES;
     if (options->probe && (!of_contacts || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: only answers have its columns, not tracks");
     }
@@ -67,7 +64,7 @@ static conus_status check_options(const conus_report_options *options)
     if (!contacts->count) {
         return CONUS_OK;
     }
-    if (options->format != CONUS_FORMAT_OPEN_EPHYS) {
+    if (format != REPORT_OPEN_EPHYS) {
         return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys needs them, and no other format does");
     }
     return contacts_check(contacts);
@@ -102,7 +99,7 @@ static conus_status find_prefixes(conus_report *report)
 /* Makes the columns of rows of tables. */
 static conus_status make_fields(conus_report *report)
 {
-    const struct table_fields *fields = report_fields(report->options.rows);
+    const struct table_fields *fields = report_fields(report->kind);
     if (!fields) {
         return CONUS_OK;
     }
@@ -159,7 +156,11 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
 {
     options = options_of(conus_report_options, options);
     conus_frame frame;
-    conus_status status = check_options(options);
+    enum report_rows kind;
+    enum report_number format;
+    conus_status status = report_rows_find(&kind, options->rows);
+    status = status ? status : report_format_find(&format, options->format);
+    status = status ? status : check_options(options, kind, format);
     status = status ? status : frame_of_options(&frame, options->frame, options->space);
     if (status) {
         return status;
@@ -173,6 +174,8 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
         take_selector(report, selector);
     }
     report->options = *options;
+    report->kind = kind;
+    report->as = format;
     report->options.frame = NULL; /* the caller's may end */
     report->options.space = frame.space;
     report->frame = frame;
@@ -180,8 +183,8 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->name = options->atlas ? text_to_utf8(text_from(options->atlas)) : NULL;
     status = options->atlas && !report->name ? CONUS_ERROR_MEMORY : selector ? keep_level(report, selector) : CONUS_OK;
     status = status || !report->options.electrodes ? status : report_read_electrodes(report);
-    status = status || options->format != CONUS_FORMAT_TABLE ? status : find_prefixes(report);
-    bool is_draft = options->format == CONUS_FORMAT_BEP032;
+    status = status || format != REPORT_TABLE ? status : find_prefixes(report);
+    bool is_draft = format == REPORT_BEP032;
     status = status || !is_draft ? status : report_bep032_create(&report->bep032, report->atlas);
     status = status ? status : make_fields(report);
     status = status ? status : make_kept(report);
@@ -221,7 +224,7 @@ static bool are_alike(const conus_report *a, const conus_report *b)
     const conus_report_options *y = &b->options;
     const conus_selector_options *p = &a->selector;
     const conus_selector_options *q = &b->selector;
-    return x->rows == y->rows && x->format == y->format && a->frame.space == b->frame.space &&
+    return a->kind == b->kind && a->as == b->as && a->frame.space == b->frame.space &&
            mat4_is_same(a->frame.world_from_space, b->frame.world_from_space) && !x->tracker == !y->tracker &&
            x->selected_only == y->selected_only && x->points == y->points && x->radii == y->radii &&
            a->atlas->is_moved == b->atlas->is_moved && strcmp(a->score, b->score) == 0 &&
@@ -401,8 +404,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     struct report_query query = {.asked = {.cone = selection->cone, .ball = is_ball ? selection->region.radius : 0},
                                  .step = selection->step,
                                  .is_point = selection->is_point};
-    if (report->options.rows != CONUS_ROWS_ANSWERS && report->options.rows != CONUS_ROWS_SHARES &&
-        report->options.rows != CONUS_ROWS_SUMMARIES) {
+    if (report->kind != ROWS_ANSWERS && report->kind != ROWS_SHARES && report->kind != ROWS_SUMMARIES) {
         return fail(CONUS_ERROR_ARGUMENT, "report: an answer, but its rows are of something else");
     }
     for (size_t i = 0; i < statistics->count; i++) {
@@ -431,7 +433,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 conus_status report_check_table(const conus_report *report, const conus_table *table)
 {
     const struct table_fields *fields =
-        report_is_of_probe(report->options.format) ? &segment_fields : report_fields(report->options.rows);
+        conus_format_at(report->as)->is_of_probe ? &segment_fields : report_fields(report->kind);
     if (!table_is_of(table, fields)) {
         return fail(CONUS_ERROR_ARGUMENT, "report: a table of other rows");
     }
@@ -439,7 +441,7 @@ conus_status report_check_table(const conus_report *report, const conus_table *t
         return fail(CONUS_ERROR_ARGUMENT, "report: a table with positions in another space");
     }
     double within = table_question(table)->within;
-    return report->options.rows != CONUS_ROWS_CLEARANCES || report->options.within == within
+    return report->kind != ROWS_CLEARANCES || report->options.within == within
                ? CONUS_OK
                : fail(CONUS_ERROR_ARGUMENT, "within: clearances up to %g mm, but the report is of those up to %g mm",
                       within, report->options.within);

@@ -16,6 +16,42 @@
 
 /* Reports: answers, sweeps and chances collected for writing. */
 
+/** What rows are of, and conus_report_options.rows for it. Those from the pairs on have no queries. */
+#define REPORT_ROWS(ROW)                                                                                               \
+    ROW(ANSWERS, "answers"), ROW(SHARES, "shares"), ROW(ADMISSIONS, "admissions"), ROW(CHANCES, "chances"),            \
+        ROW(SUMMARIES, "summaries"), ROW(COVERAGES, "coverages"), ROW(SEGMENTS, "segments"),                           \
+        ROW(CONNECTIONS, "connections"), ROW(CLEARANCES, "clearances"), ROW(PLAN, "plan"),                             \
+        ROW(CONSTRAINTS, "constraints"), ROW(PROFILE, "profile"), ROW(TOLERANCE, "tolerance"),                         \
+        ROW(CLUSTERS, "clusters"), ROW(NEEDLES, "needles"), ROW(PAIRS, "pairs"), ROW(CALIBRATION, "calibration"),      \
+        ROW(RELIABILITY, "reliability"), ROW(POSITIONS, "positions")
+#define REPORT_ROWS_NUMBER(name, word) ROWS_##name
+enum report_rows { REPORT_ROWS(REPORT_ROWS_NUMBER) };
+
+/** Finds them by their word, NULL = answers. */
+conus_status report_rows_find(enum report_rows *out, const char *word);
+
+/** Of a format: another program reads it, it is one string of a whole probe, batches write it, it has columns. */
+enum format_facts { FOREIGN = 1, OF_PROBE = 2, OF_BATCH = 4, IN_COLUMNS = 8 };
+
+/** All formats: ROW(NUMBER, NAME, WORD, FACTS). A new one is a row here, and a file that defines its
+ * report_format_NAME. */
+#define REPORT_FORMATS(ROW)                                                                                            \
+    ROW(TABLE, table, "table", IN_COLUMNS)                                                                             \
+    ROW(TSV, tsv, "tsv", OF_BATCH | IN_COLUMNS)                                                                        \
+    ROW(CSV, csv, "csv", OF_BATCH | IN_COLUMNS)                                                                        \
+    ROW(JSON, json, "json", IN_COLUMNS)                                                                                \
+    ROW(NDJSON, ndjson, "ndjson", OF_BATCH | IN_COLUMNS)                                                               \
+    ROW(AFNI, afni, "afni", FOREIGN | OF_BATCH)                                                                        \
+    ROW(BIDS, bids, "bids", FOREIGN | OF_BATCH | IN_COLUMNS)                                                           \
+    ROW(SPIKEGLX, spikeglx, "spikeglx", FOREIGN | OF_PROBE | OF_BATCH)                                                 \
+    ROW(OPEN_EPHYS, open_ephys, "open-ephys", FOREIGN | OF_PROBE | OF_BATCH)                                           \
+    ROW(BEP032, bep032, "bep032", FOREIGN | IN_COLUMNS)
+#define REPORT_FORMAT_NUMBER(number, name, word, facts) REPORT_##number,
+enum report_number { REPORT_FORMATS(REPORT_FORMAT_NUMBER) };
+
+/** Finds one by its word, NULL = the table for people. */
+conus_status report_format_find(enum report_number *out, const char *word);
+
 /** A listed pose of a plan; in other rows one of its constraints, perhaps at a depth. */
 struct report_planned {
     conus_kind kind; /**< Kind and object begin every row; this one has none. */
@@ -89,7 +125,7 @@ struct report_table_row {
     size_t index;
 };
 
-/** One result of one query. options.rows says which member it has; kind and object begin all of them. */
+/** One result of one query. conus_report.kind says which member it has; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */
     union {
@@ -118,7 +154,7 @@ struct report_query {
 
 struct conus_report {
     const conus_atlas *atlas;
-    const char **prefixes; /**< Of conus_atlas_prefixes(), for CONUS_FORMAT_TABLE; else NULL. */
+    const char **prefixes; /**< Of conus_atlas_prefixes(), for tables for people; else NULL. */
     char *name;            /**< The value of the column `atlas`; NULL = there is none. */
     conus_report *next;    /**< Joined: its rows come behind these, query by query. NULL = none. */
     bool is_joined;        /**< Another report has it as its next. */
@@ -131,6 +167,8 @@ struct conus_report {
     size_t level_area_count;
     char engine[96];
     conus_report_options options; /* its space is that of the frame */
+    enum report_rows kind;
+    enum report_number as;
     conus_frame frame;
     struct report_query *queries;
     size_t query_count, query_capacity;
@@ -138,9 +176,9 @@ struct conus_report {
     size_t row_count, row_capacity;
     struct report_plan plan;
     struct report_needles needles;
-    struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
+    struct text *electrode_lines; /**< For BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
-    struct report_bep032 *bep032; /**< For CONUS_FORMAT_BEP032; owned. */
+    struct report_bep032 *bep032; /**< For BEP032; owned. */
     struct report_column *fields; /**< [field_count] Of rows of tables: their columns. */
     size_t field_count;
     struct report_column *kept;         /**< [options.marks->count] The further columns; their names are owned. */
@@ -168,7 +206,7 @@ bool report_has_atlas(const conus_report *report);
 /** Whether its rows are all there is, not answers to queries. */
 static inline bool report_has_no_queries(const conus_report *report)
 {
-    return report->options.rows >= CONUS_ROWS_PAIRS;
+    return report->kind >= ROWS_PAIRS;
 }
 
 /** CONUS_ERROR_ARGUMENT for a table of other rows than the report's, or with positions in another frame. */
@@ -203,34 +241,20 @@ static inline size_t report_row_end(const conus_report *report, size_t query)
 /** Whether the text has this row: of summaries and of BEP032 only the first of each query is written. */
 static inline bool report_is_shown(const conus_report *report, size_t row)
 {
-    bool is_one_row = report->options.rows == CONUS_ROWS_SUMMARIES || report->options.format == CONUS_FORMAT_BEP032;
+    bool is_one_row = report->kind == ROWS_SUMMARIES || report->as == REPORT_BEP032;
     return !is_one_row || row == 0 || report->rows[row].query != report->rows[row - 1].query;
-}
-
-/** Whether a format is another program's. */
-static inline bool report_is_foreign(conus_format format)
-{
-    const conus_format_info *info = conus_format_at(format);
-    return info && info->is_foreign;
 }
 
 /** The marks whose columns the report has; NULL = none. */
 static inline const conus_row_marks *report_marks(const conus_report *report)
 {
-    return report_is_foreign(report->options.format) ? NULL : report->options.marks;
+    return conus_format_at(report->as)->is_foreign ? NULL : report->options.marks;
 }
 
 /** Whether rows are about the axis of a device. */
-static inline bool report_is_of_axes(conus_rows rows)
+static inline bool report_is_of_axes(enum report_rows rows)
 {
-    return rows == CONUS_ROWS_SEGMENTS || rows == CONUS_ROWS_CLEARANCES;
-}
-
-/** Whether a format is one string of a whole probe. */
-static inline bool report_is_of_probe(conus_format format)
-{
-    const conus_format_info *info = conus_format_at(format);
-    return info && info->is_of_probe;
+    return rows == ROWS_SEGMENTS || rows == ROWS_CLEARANCES;
 }
 
 static inline bool report_is_selected(const conus_report *report, const struct report_row *row)
@@ -312,7 +336,7 @@ struct report_columns {
 };
 
 /** The columns of the tables that are rows of this kind; NULL: its rows are none of tables. */
-const struct table_fields *report_fields(conus_rows rows);
+const struct table_fields *report_fields(enum report_rows rows);
 
 void report_list_columns(struct report_columns *out, const conus_report *report);
 

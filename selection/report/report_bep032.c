@@ -173,7 +173,7 @@ static void write_probe(struct buffer *out, const conus_report *report, size_t *
 
 conus_status report_write_probes(struct buffer *out, const conus_report *report)
 {
-    if (report->options.format != CONUS_FORMAT_BEP032) {
+    if (report->as != REPORT_BEP032) {
         return fail(CONUS_ERROR_ARGUMENT, "report: probes are of the format bep032");
     }
     if (report->query_count != conus_probe_contact_count(report->options.probe)) {

@@ -55,51 +55,40 @@ static void write_whole(struct buffer *out, const conus_report *report, const st
     table_write_space(out, report);
 }
 
-static void write_part(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
-{
-    char volume[TABLE_VOLUME_SIZE] = "";
-    char fraction[16] = "";
-    char of_cluster[16] = "";
-    bool is_maximum = is_of_kind(row, "maximum");
-    uint32_t object = row->of_table.object;
-    double part = report_number(row, "fraction");
-    if (isfinite(part)) {
-        snprintf(fraction, sizeof fraction, "%.2f", 100 * part);
-    }
-    if (!is_maximum) {
-        snprintf(of_cluster, sizeof of_cluster, "%.2f", 100 * report_number(row, "cluster_fraction"));
-        table_volume(volume, report_number(row, "volume_mm3"));
-    }
-    buffer_text(out, is_maximum ? "  maximum  " : "           ");
-    table_write_name(out, object ? table_name(report, object) : "(in no area)", width);
-    buffer_format(out, "  %11s  %9s  %10s  %10.5g ", volume, fraction, of_cluster, report_number(row, "peak"));
-    write_place(out, report, row, peak);
-    buffer_text(out, "\n");
-}
+static const struct shown parts_shown[] = {
+    {"name", "", LOOK_NAME, .none = "(in no area)"},
+    {"volume, mm^3", "", LOOK_VOLUME, .width = 11, .column = "volume_mm3"},
+    {"of area, %", "", LOOK_PERCENT, .width = 9, .column = "fraction", .digits = 2},
+    {"cluster, %", "", LOOK_PERCENT, .width = 10, .column = "cluster_fraction", .digits = 2},
+    {"peak", "", LOOK_SHORT, .width = 10, .column = "peak", .digits = 5},
+    {"at", NULL, LOOK_PLACE, .column = "peak_"},
+    {0},
+};
 
-static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
+static void write_answers(struct buffer *out, const conus_report *report, size_t query, const struct layout *parts)
 {
-    char axes[TABLE_AXES_SIZE];
     table_write_atlas(out, report);
     for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
         const struct report_row *row = &report->rows[i];
         if (is_of_kind(row, "cluster")) {
             write_whole(out, report, row);
-            buffer_format(out, "           %-*s  %11s  %9s  %10s  %10s  %s\n", width, "name", "volume, mm^3",
-                          "of area, %", "cluster, %", "peak", table_axes(axes, report, "at"));
+            buffer_text(out, "           ");
+            table_write_heading(out, report, parts, false);
         } else {
-            write_part(out, report, row, width);
+            buffer_text(out, is_of_kind(row, "maximum") ? "  maximum  " : "           ");
+            table_write_row(out, report, parts, row);
+            buffer_text(out, "\n");
         }
     }
 }
 
 void report_write_clusters(struct buffer *out, const conus_report *report)
 {
-    int width = table_name_width(report);
+    const struct layout parts = table_lay_out(report, parts_shown);
     for (size_t i = 0; i < report->query_count; i++) {
         table_write_region(out, &report->queries[i]);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
-            write_answers(out, of, i, width);
+            write_answers(out, of, i, &parts);
         }
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }

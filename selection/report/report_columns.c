@@ -737,15 +737,15 @@ static bool insert_column(struct report_columns *out, size_t place, const struct
     return column;
 }
 
-const struct table_fields *report_fields(conus_rows rows)
+const struct table_fields *report_fields(enum report_rows rows)
 {
     static const struct table_fields *const studies[] = {
-        [CONUS_ROWS_ADMISSIONS] = &sweep_fields,        [CONUS_ROWS_CHANCES] = &jitter_fields,
-        [CONUS_ROWS_CONNECTIONS] = &connection_fields,  [CONUS_ROWS_COVERAGES] = &overlap_fields,
-        [CONUS_ROWS_CLUSTERS] = &clusters_fields,       [CONUS_ROWS_SEGMENTS] = &segment_fields,
-        [CONUS_ROWS_CLEARANCES] = &clearance_fields,    [CONUS_ROWS_PAIRS] = &pair_fields,
-        [CONUS_ROWS_CALIBRATION] = &calibration_fields, [CONUS_ROWS_RELIABILITY] = &reliability_fields,
-        [CONUS_ROWS_POSITIONS] = &position_fields};
+        [ROWS_ADMISSIONS] = &sweep_fields,        [ROWS_CHANCES] = &jitter_fields,
+        [ROWS_CONNECTIONS] = &connection_fields,  [ROWS_COVERAGES] = &overlap_fields,
+        [ROWS_CLUSTERS] = &clusters_fields,       [ROWS_SEGMENTS] = &segment_fields,
+        [ROWS_CLEARANCES] = &clearance_fields,    [ROWS_PAIRS] = &pair_fields,
+        [ROWS_CALIBRATION] = &calibration_fields, [ROWS_RELIABILITY] = &reliability_fields,
+        [ROWS_POSITIONS] = &position_fields};
     return (size_t)rows < COUNT_OF(studies) ? studies[rows] : NULL;
 }
 
@@ -767,7 +767,7 @@ static bool is_worth_a_column(const conus_report *report, const struct report_co
 static void list_fields(struct report_columns *out, const conus_report *report)
 {
     if (!report_has_no_queries(report)) {
-        list_column(out, report->options.rows == CONUS_ROWS_CLUSTERS ? &region_column : &answer_columns[0]);
+        list_column(out, report->kind == ROWS_CLUSTERS ? &region_column : &answer_columns[0]);
     }
     for (size_t i = 0; i < report->field_count; i++) {
         if (!report->fields[i].unless_zeros || is_worth_a_column(report, &report->fields[i])) {
@@ -779,41 +779,41 @@ static void list_fields(struct report_columns *out, const conus_report *report)
 void report_list_columns(struct report_columns *out, const conus_report *report)
 {
     out->count = 0;
-    switch (report->options.rows) {
-    case CONUS_ROWS_ANSWERS:
-        if (report->options.format == CONUS_FORMAT_BIDS) {
+    switch (report->kind) {
+    case ROWS_ANSWERS:
+        if (report->as == REPORT_BIDS) {
             list_table(out, report, electrode_columns, COUNT_OF(electrode_columns));
-        } else if (report->options.format == CONUS_FORMAT_BEP032) {
+        } else if (report->as == REPORT_BEP032) {
             list_bep032(out, report);
         } else {
             list_answers(out, report);
         }
         break;
-    case CONUS_ROWS_SUMMARIES:
+    case ROWS_SUMMARIES:
         list_named(out, summary_common, COUNT_OF(summary_common));
         list_table(out, report, summary_columns, COUNT_OF(summary_columns));
         list_asked(out, report);
         break;
-    case CONUS_ROWS_SHARES:
+    case ROWS_SHARES:
         list_answers(out, report);
         list_table(out, report, share_columns, COUNT_OF(share_columns));
         break;
-    case CONUS_ROWS_NEEDLES:
+    case ROWS_NEEDLES:
         list_table(out, report, needle_columns, COUNT_OF(needle_columns));
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
         list_table(out, report, report->needles.columns, report->needles.column_count);
         break;
-    case CONUS_ROWS_PLAN:
+    case ROWS_PLAN:
         list_table(out, report, plan_columns, COUNT_OF(plan_columns));
         list_table(out, report, report->plan.columns, report->plan.column_count);
         break;
-    case CONUS_ROWS_CONSTRAINTS:
+    case ROWS_CONSTRAINTS:
         list_table(out, report, constraint_columns, COUNT_OF(constraint_columns));
         break;
-    case CONUS_ROWS_PROFILE:
+    case ROWS_PROFILE:
         list_table(out, report, profile_columns, COUNT_OF(profile_columns));
         break;
-    case CONUS_ROWS_TOLERANCE:
+    case ROWS_TOLERANCE:
         list_table(out, report, tolerance_columns, COUNT_OF(tolerance_columns));
         break;
     default: /* of tables */
@@ -862,7 +862,7 @@ bool conus_column_is_number(const char *name)
         }
     }
     bool is_number = is_of_constraint(name);
-    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_POSITIONS; rows++) {
+    for (enum report_rows rows = ROWS_ANSWERS; rows <= ROWS_POSITIONS; rows++) {
         const struct table_fields *fields = report_fields(rows);
         for (size_t i = 0; fields && i < fields->count; i++) {
             enum column_type type = fields->at[i].type;
@@ -921,10 +921,10 @@ struct cell report_cell(const conus_report *report, const struct report_column *
         const char *home = home_of(report, column->home, row);
         return cell_at(column->type, home + column->offset, report->atlas, &report->frame);
     }
-    const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"
-                         : report->options.rows == CONUS_ROWS_CONNECTIONS ? "bundle"
-                         : report->options.format == CONUS_FORMAT_BIDS    ? "area_error"
-                                                                          : "name";
+    const char *reason = report->kind == ROWS_SUMMARIES     ? "error"
+                         : report->kind == ROWS_CONNECTIONS ? "bundle"
+                         : report->as == REPORT_BIDS        ? "area_error"
+                                                            : "name";
     const char *text = column->get == get_query        ? query->id
                        : column == &atlas_column       ? report->name
                        : !strcmp(column->name, "kind") ? "error"

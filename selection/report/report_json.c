@@ -172,7 +172,7 @@ static json_t *json_from_queries(const conus_report *report)
             !query->error && (range[0] != report->selector.range[0] || range[1] != report->selector.range[1]);
         entry = has_range ? with(entry, "range_mm", json_pack("[f, f]", range[0], range[1])) : entry;
         entry = with_marks(entry, report, query);
-        bool has_radius = !query->error && report->options.rows == CONUS_ROWS_CONNECTIONS;
+        bool has_radius = !query->error && report->kind == ROWS_CONNECTIONS;
         entry = has_radius ? with_real(entry, "endpoint_radius_mm", query->asked.end_radius) : entry;
         queries = with_item(queries, entry);
     }
@@ -387,7 +387,7 @@ static const char *aperture_word(const conus_selector_options *options)
 static json_t *with_shape(json_t *settings, const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
-    bool of_connections = report->options.rows == CONUS_ROWS_CONNECTIONS;
+    bool of_connections = report->kind == ROWS_CONNECTIONS;
     bool has_radius = options->radius > 0 && (of_connections || report->plan.count > 0);
     settings = of_connections ? with_string(settings, "aperture", aperture_word(options)) : settings;
     return has_radius ? with_real(settings, "radius_mm", options->radius) : settings;
@@ -396,7 +396,7 @@ static json_t *with_shape(json_t *settings, const conus_report *report)
 /* Its radius, and how far it looks; null = as far as there are objects. */
 static json_t *with_needle(json_t *settings, const conus_report *report)
 {
-    bool has_needle = report->options.rows == CONUS_ROWS_CLEARANCES;
+    bool has_needle = report->kind == ROWS_CLEARANCES;
     settings = has_needle ? with_real(settings, "radius_mm", report->selector.radius) : settings;
     return has_needle ? with(settings, "within_mm", json_from_end(report->options.within)) : settings;
 }
@@ -417,15 +417,15 @@ static json_t *with_trials(json_t *settings, const conus_report *report)
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
-    conus_rows rows = report->options.rows;
-    bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
-    if (rows == CONUS_ROWS_NEEDLES || rows == CONUS_ROWS_PAIRS || !report_has_atlas(report)) { /* each has its own */
+    enum report_rows rows = report->kind;
+    bool has_axes = report_is_of_axes(rows) || rows == ROWS_CONNECTIONS || report->plan.count > 0;
+    if (rows == ROWS_NEEDLES || rows == ROWS_PAIRS || !report_has_atlas(report)) { /* each has its own */
         json_t *few = with_trials(json_object(), report);
-        const bool has_head = rows == CONUS_ROWS_POSITIONS && report->query_count;
+        const bool has_head = rows == ROWS_POSITIONS && report->query_count;
         const char *head = has_head && report_is_of_scalp(report->queries[0].table) ? "own" : "MNI 152";
         return has_head ? with_string(few, "head", head) : few;
     }
-    if (has_axes || rows == CONUS_ROWS_COVERAGES || rows == CONUS_ROWS_CLUSTERS) { /* which have no rays of pixels */
+    if (has_axes || rows == ROWS_COVERAGES || rows == ROWS_CLUSTERS) { /* which have no rays of pixels */
         json_t *few = has_axes ? with_range(json_object(), options) : json_object();
         bool level_is_there = has_axes && report->name; /* in that of each atlas */
         few = with_needle(with_shape(few, report), report);
@@ -848,8 +848,8 @@ conus_status report_write_json_matrix(struct buffer *out, const conus_report *re
 conus_status report_write_sidecar(struct buffer *out, const conus_report *report)
 {
     json_t *root = json_object();
-    bool is_draft = report->options.format == CONUS_FORMAT_BEP032;
-    bool has_columns = report_in_columns(report->options.format);
+    bool is_draft = report->as == REPORT_BEP032;
+    bool has_columns = report_in_columns(report->as);
     json_t *kept = json_object(); /* whose names are the user's, and may be those of the keys here */
     struct report_columns columns;
     report_list_columns(&columns, report);

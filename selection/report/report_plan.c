@@ -20,7 +20,7 @@ static bool is_left_out(const conus_report *report, const struct report_column *
     static const char *const of_needles[] = {"combination", "proven",     "all_leeway_mm", "all_leeway_of",
                                              "all_bound",   "all_sum_mm", "all_depth_mm",  "all_contacts",
                                              "row",         NULL};
-    const bool are_needles = report->options.rows == CONUS_ROWS_NEEDLES;
+    const bool are_needles = report->kind == ROWS_NEEDLES;
     bool is = column->home == HOME_NEEDLE ||
               (column->home == HOME_VERDICTS &&
                (column->offset % sizeof(conus_verdict) == offsetof(conus_verdict, p) ||
@@ -31,7 +31,7 @@ static bool is_left_out(const conus_report *report, const struct report_column *
     for (size_t i = 0; are_needles && of_needles[i] && !is; i++) {
         is = strcmp(of_needles[i], column->name) == 0;
     }
-    return is && (are_needles || report->options.rows == CONUS_ROWS_PLAN);
+    return is && (are_needles || report->kind == ROWS_PLAN);
 }
 
 enum { CELL_SIZE = 128 };
@@ -125,7 +125,7 @@ void report_write_plan(struct buffer *out, const conus_report *report)
     size_t lines = report->row_count ? report->row_count + 2 : 0;
     struct report_columns columns;
     report_list_columns(&columns, report);
-    if (report->options.rows == CONUS_ROWS_PLAN) { /* the rank first */
+    if (report->kind == ROWS_PLAN) { /* the rank first */
         const struct report_column *query = columns.at[0];
         columns.at[0] = columns.at[1];
         columns.at[1] = query;

@@ -37,7 +37,7 @@ static struct table_marks marks_of(const conus_report *report)
 {
     static const struct table_marks tsv = {"\t", "\n"};
     static const struct table_marks csv = {",", "\r\n"}; /* RFC 4180, section 2 */
-    return report->options.format == CONUS_FORMAT_CSV ? csv : tsv;
+    return report->as == REPORT_CSV ? csv : tsv;
 }
 
 /* Between quotation marks where it must be, with its own ones doubled. */
@@ -58,7 +58,7 @@ static void write_csv_text(struct buffer *out, const char *text)
 
 static void write_table_text(struct buffer *out, const conus_report *report, const char *text)
 {
-    if (report->options.format == CONUS_FORMAT_CSV) {
+    if (report->as == REPORT_CSV) {
         write_csv_text(out, text);
     } else {
         buffer_text(out, text);
@@ -192,8 +192,7 @@ void report_each_row(const conus_report *report, report_take_row *take, void *us
 {
     for (size_t first = 0, end; first < report->query_count; first = end) {
         end = first + 1; /* in shares the angles of a pose, which have one id, belong together */
-        while (report->options.rows == CONUS_ROWS_SHARES && end < report->query_count &&
-               report_is_same_pose(report, end, first)) {
+        while (report->kind == ROWS_SHARES && end < report->query_count && report_is_same_pose(report, end, first)) {
             end++;
         }
         for (const conus_report *of = report; of && end <= of->query_count; of = of->next) {
@@ -214,7 +213,7 @@ struct writing {
 static void write_row(void *user, const conus_report *of, const struct report_row *row)
 {
     struct writing *writing = user;
-    if (of->options.format == CONUS_FORMAT_NDJSON) {
+    if (of->as == REPORT_NDJSON) {
         write_json_row(writing->out, of, &writing->columns, row);
     } else {
         write_table_row(writing->out, of, &writing->columns, row);

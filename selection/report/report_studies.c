@@ -8,34 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum look {
-    LOOK_NAME,    /* The row's object; `none` where it has none. */
-    LOOK_TEXT,    /* A text; `none` where the column `beside` is n/a. As wide as the longest of those with, or without
-                     `beside`. */
-    LOOK_LABEL,   /* The label of the object. */
-    LOOK_COUNT,   /* A count. */
-    LOOK_FIXED,   /* A number with `digits` behind the point. */
-    LOOK_PERCENT, /* Likewise, a hundred times as much. */
-    LOOK_SHORT,   /* A number with 5 digits that count. */
-    LOOK_VOLUME,  /* A volume, by table_volume(). */
-    LOOK_SHARE,   /* A share of the rays, by text_share(). */
-    LOOK_STRIKES, /* A clearance; where there is none a word by the distance in the column `beside`. */
-    LOOK_POINT    /* Columns `column`x, y and z. */
-};
-
-/* A column of the table for people. */
-struct shown {
-    const char *title, *unit; /* above each other; NULL = the unit of the space */
-    enum look look;
-    int width; /* of texts the least; of names by the report */
-    const char *column;
-    int digits;
-    const char *none;  /* for n/a; NULL = "" */
-    const char *after; /* each value; NULL = "" */
-    const char *beside;
-    bool layers_only;
-};
-
 /* What is shown of a study. */
 struct view {
     const struct shown *columns; /* up to the one without a title */
@@ -160,7 +132,7 @@ static const struct shown chances_shown[] = {
     {"hit", "", LOOK_PERCENT, .width = 8, .column = "p_hit", .digits = 2, .after = " %"},
     {"error", "of hit", LOOK_PERCENT, .width = 8, .column = "p_hit_error", .digits = 2, .after = " %"},
     {"seen", "", LOOK_PERCENT, .width = 8, .column = "p_seen", .digits = 2, .after = " %"},
-    {"in cone", "", LOOK_PERCENT, .width = 8, .column = "p_in_cone", .digits = 2, .after = " %", .layers_only = true},
+    {"in cone", "", LOOK_PERCENT, .width = 8, .column = "p_in_cone", .digits = 2, .after = " %", .with = WITH_LAYERS},
     {"share", "mean", LOOK_SHARE, .width = 8, .column = "mean_share", .after = " %"},
     {"varies", "by", LOOK_SHARE, .width = 8, .column = "sd_share", .after = " %"},
     {0},
@@ -172,7 +144,7 @@ static const struct shown coverages_shown[] = {
     {"volume", "mm^3", LOOK_VOLUME, .width = 11, .column = "volume_mm3"},
     {"of area", "%", LOOK_PERCENT, .width = 9, .column = "fraction", .digits = 2},
     {"of region", "%", LOOK_PERCENT, .width = 9, .column = "region_fraction", .digits = 2},
-    {"peak", "", LOOK_SHORT, .width = 10, .column = "peak"},
+    {"peak", "", LOOK_SHORT, .width = 10, .column = "peak", .digits = 5},
     {"at", NULL, LOOK_POINT, .width = 26, .column = "peak_"},
     {0},
 };
@@ -189,10 +161,10 @@ static const struct shown connections_shown[] = {
 
 static const struct shown calibration_shown[] = {
     {"parameter", "", LOOK_TEXT, .width = 9, .column = "parameter"},
-    {"value", "", LOOK_SHORT, .width = 10, .column = "value"},
-    {"low", "95 %", LOOK_SHORT, .width = 10, .column = "low"},
-    {"high", "95 %", LOOK_SHORT, .width = 10, .column = "high"},
-    {"p", "", LOOK_SHORT, .width = 10, .column = "p"},
+    {"value", "", LOOK_SHORT, .width = 10, .column = "value", .digits = 5},
+    {"low", "95 %", LOOK_SHORT, .width = 10, .column = "low", .digits = 5},
+    {"high", "95 %", LOOK_SHORT, .width = 10, .column = "high", .digits = 5},
+    {"p", "", LOOK_SHORT, .width = 10, .column = "p", .digits = 5},
     {0},
 };
 
@@ -269,175 +241,46 @@ static void write_reliability_foot(struct buffer *out, const conus_report *repor
 }
 
 /* Of rows of tables but clusters. */
-static const struct view *view_of(conus_rows rows)
+static const struct view *view_of(enum report_rows rows)
 {
     static const struct view views[] = {
-        [CONUS_ROWS_ADMISSIONS] = {admissions_shown, NULL, table_write_query, NULL, NULL},
-        [CONUS_ROWS_CHANCES] = {chances_shown, NULL, table_write_query, write_chances_foot, NULL},
-        [CONUS_ROWS_SEGMENTS] = {segments_shown, NULL, write_axis_head, NULL, NULL},
-        [CONUS_ROWS_CONNECTIONS] = {connections_shown, "(no streamline)\n", write_ends_head, NULL, NULL},
-        [CONUS_ROWS_CLEARANCES] = {clearances_shown, "no area, pathway or bundle is that near\n", write_needle_head,
-                                   NULL, write_needle_end},
-        [CONUS_ROWS_COVERAGES] = {coverages_shown, NULL, write_region_head, NULL, NULL},
-        [CONUS_ROWS_CALIBRATION] = {calibration_shown, NULL, write_calibration_head, write_calibration_foot, NULL},
-        [CONUS_ROWS_POSITIONS] = {positions_shown, NULL, write_positions_head, NULL, NULL},
-        [CONUS_ROWS_RELIABILITY] = {reliability_shown, NULL, write_reliability_head, write_reliability_foot, NULL},
+        [ROWS_ADMISSIONS] = {admissions_shown, NULL, table_write_query, NULL, NULL},
+        [ROWS_CHANCES] = {chances_shown, NULL, table_write_query, write_chances_foot, NULL},
+        [ROWS_SEGMENTS] = {segments_shown, NULL, write_axis_head, NULL, NULL},
+        [ROWS_CONNECTIONS] = {connections_shown, "(no streamline)\n", write_ends_head, NULL, NULL},
+        [ROWS_CLEARANCES] = {clearances_shown, "no area, pathway or bundle is that near\n", write_needle_head, NULL,
+                             write_needle_end},
+        [ROWS_COVERAGES] = {coverages_shown, NULL, write_region_head, NULL, NULL},
+        [ROWS_CALIBRATION] = {calibration_shown, NULL, write_calibration_head, write_calibration_foot, NULL},
+        [ROWS_POSITIONS] = {positions_shown, NULL, write_positions_head, NULL, NULL},
+        [ROWS_RELIABILITY] = {reliability_shown, NULL, write_reliability_head, write_reliability_foot, NULL},
     };
     return &views[rows];
 }
 
-static const char *text_of(const struct report_row *row, const struct shown *shown)
-{
-    const conus_column *beside = conus_table_find(row->of_table.table, shown->beside ? shown->beside : "");
-    bool is_none = beside && beside->missing && beside->missing[row->of_table.index];
-    return is_none ? shown->none : report_text(row, shown->column);
-}
-
-/* The columns on a terminal that names and texts need: of all reports that are joined. */
-static int find_width(const conus_report *report, const struct shown *shown, const struct shown *columns)
-{
-    int width = shown->look == LOOK_NAME ? table_name_width(report) : shown->width;
-    for (const struct shown *other = columns; shown->look == LOOK_TEXT && other->title; other++) {
-        bool is_alike = other->look == LOOK_TEXT && !other->beside == !shown->beside;
-        for (const conus_report *of = report; of && is_alike; of = of->next) {
-            for (size_t i = 0; i < of->row_count; i++) {
-                const struct report_row *row = &of->rows[i];
-                width = of->queries[row->query].error ? width : table_wider(width, text_of(row, other));
-            }
-        }
-    }
-    return width;
-}
-
-enum { SHOWN_LIMIT = 16, CELL_SIZE = 128 };
-
-struct layout {
-    const struct view *view;
-    int widths[SHOWN_LIMIT];
-};
-
-static bool is_left(const struct shown *shown)
-{
-    return shown->look == LOOK_NAME || shown->look == LOOK_TEXT;
-}
-
-static void write_point(char out[CELL_SIZE], const conus_report *report, const struct report_row *row,
-                        const struct shown *shown)
-{
-    double p[3];
-    const int digits = table_digits(report);
-    const int width = (shown->width - 10) / 2; /* of y and z: x has 8, and a space is before each */
-    for (int a = 0; a < 3; a++) {
-        char column[32];
-        snprintf(column, sizeof column, "%s%c", shown->column, "xyz"[a]);
-        p[a] = report_number(row, column);
-    }
-    if (isfinite(p[0] + p[1] + p[2])) { /* of a position without a normal it is n/a */
-        snprintf(out, CELL_SIZE, "%8.*f %*.*f %*.*f", digits, p[0], width, digits, p[1], width, digits, p[2]);
-    }
-}
-
-/* Writes a number; nothing where it is n/a. */
-static void write_number(char out[CELL_SIZE], const conus_report *report, const struct report_row *row,
-                         const struct shown *shown)
-{
-    const double number = report_number(row, shown->column);
-    if (!isfinite(number)) {
-        return;
-    }
-    if (shown->look == LOOK_SHORT) {
-        snprintf(out, CELL_SIZE, "%.5g", number);
-    } else if (shown->look == LOOK_VOLUME) {
-        table_volume(out, number);
-    } else if (shown->look == LOOK_SHARE) {
-        text_share(out, number, report_share_digits(report));
-    } else if (shown->look == LOOK_STRIKES && !(number > 0)) {
-        snprintf(out, CELL_SIZE, "%s", report_number(row, shown->beside) > 0 ? "touches" : "pierces");
-    } else {
-        snprintf(out, CELL_SIZE, "%.*f", shown->digits, shown->look == LOOK_PERCENT ? 100 * number : number);
-    }
-}
-
-/* Writes a value that stands at the right. */
-static void write_right(struct buffer *out, const conus_report *report, const struct report_row *row,
-                        const struct shown *shown)
-{
-    char text[CELL_SIZE] = "";
-    const conus_column *column = conus_table_find(row->of_table.table, shown->column ? shown->column : "");
-    if (shown->look == LOOK_LABEL) {
-        table_label(text, report, row->of_table.object);
-    } else if (shown->look == LOOK_POINT) {
-        write_point(text, report, row, shown);
-    } else if (shown->look != LOOK_COUNT) {
-        write_number(text, report, row, shown);
-    } else if (!column->missing || !column->missing[row->of_table.index]) {
-        snprintf(text, sizeof text, "%lld", (long long)column->counts[row->of_table.index]);
-    }
-    const char *after = text[0] && shown->after ? shown->after : "";
-    const char *none = shown->none ? shown->none : "";
-    buffer_format(out, "%*s%s", shown->width - (int)strlen(after), text[0] ? text : none, after);
-}
-
-static void write_heading(struct buffer *out, const conus_report *report, const struct layout *layout, bool is_unit)
-{
-    for (const struct shown *shown = layout->view->columns; shown->title; shown++) {
-        char axes[TABLE_AXES_SIZE];
-        const char *title = shown->unit ? shown->title : table_axes(axes, report, shown->title);
-        const char *unit = shown->unit ? shown->unit : conus_space_unit(report->frame.space);
-        const int width = layout->widths[shown - layout->view->columns];
-        if (!shown->layers_only || report->selector.layers) {
-            buffer_format(out, "%s%*s", shown == layout->view->columns ? "" : "  ", is_left(shown) ? -width : width,
-                          is_unit ? unit : title);
-        }
-    }
-    buffer_text(out, "\n");
-}
-
-static void write_row(struct buffer *out, const conus_report *report, const struct layout *layout,
-                      const struct report_row *row)
-{
-    const uint32_t object = row->of_table.object;
-    for (const struct shown *shown = layout->view->columns; shown->title; shown++) {
-        if (shown->layers_only && !report->selector.layers) {
-            continue;
-        }
-        buffer_text(out, shown == layout->view->columns ? "" : "  ");
-        if (is_left(shown)) {
-            const char *text = shown->look == LOOK_TEXT ? text_of(row, shown)
-                               : object                 ? table_name(report, object)
-                                                        : shown->none;
-            table_write_name(out, text, layout->widths[shown - layout->view->columns]);
-        } else {
-            write_right(out, report, row, shown);
-        }
-    }
-    buffer_text(out, "\n");
-}
-
 /* What one atlas has to say of a query. */
-static void write_answer(struct buffer *out, const conus_report *report, const struct layout *layout, size_t query)
+static void write_answer(struct buffer *out, const conus_report *report, const struct view *view,
+                         const struct layout *layout, size_t query)
 {
     const size_t first = report->queries[query].first_row;
     const size_t end = report_row_end(report, query);
     table_write_atlas(out, report);
-    if (first == end && layout->view->empty) {
-        buffer_text(out, layout->view->empty);
+    if (first == end && view->empty) {
+        buffer_text(out, view->empty);
         return;
     }
-    write_heading(out, report, layout, false);
-    write_heading(out, report, layout, true);
+    table_write_heading(out, report, layout, false);
+    table_write_heading(out, report, layout, true);
     for (size_t i = first; i < end; i++) {
-        write_row(out, report, layout, &report->rows[i]);
+        table_write_row(out, report, layout, &report->rows[i]);
+        buffer_text(out, "\n");
     }
 }
 
 void report_write_study(struct buffer *out, const conus_report *report)
 {
-    struct layout layout = {.view = view_of(report->options.rows)};
-    assert(layout.view->columns);
-    for (const struct shown *shown = layout.view->columns; shown->title; shown++) {
-        layout.widths[shown - layout.view->columns] = find_width(report, shown, layout.view->columns);
-    }
+    const struct view *view = view_of(report->kind);
+    const struct layout layout = table_lay_out(report, view->columns);
     for (size_t i = 0; i < report->query_count; i++) {
         const struct report_query *query = &report->queries[i];
         const bool more = i + 1 < report->query_count;
@@ -445,17 +288,17 @@ void report_write_study(struct buffer *out, const conus_report *report)
             table_write_error(out, report, query, more);
             continue;
         }
-        layout.view->head(out, report, query);
+        view->head(out, report, query);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
-            write_answer(out, of, &layout, i);
+            write_answer(out, of, view, &layout, i);
         }
-        if (layout.view->foot) {
-            layout.view->foot(out, report, query);
+        if (view->foot) {
+            view->foot(out, report, query);
         }
         buffer_text(out, more ? "\n" : "");
     }
-    if (layout.view->end) {
-        layout.view->end(out, report);
+    if (view->end) {
+        view->end(out, report);
     }
     table_write_sources(out, report);
 }

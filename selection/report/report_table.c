@@ -11,83 +11,11 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAME_LIMIT = 48 };
-
-/* Columns on a terminal of a UTF-8 text, one per code point (good enough for area names). */
-static int width_of(const char *text)
-{
-    int width = 0;
-    for (; *text; text++) {
-        width += ((unsigned char)*text & 0xc0) != 0x80;
-    }
-    return width;
-}
-
-const char *table_name(const conus_report *report, uint32_t object)
-{
-    const conus_object *named = conus_atlas_object(report->atlas, object);
-    return named ? named->name : TABLE_NOTHING;
-}
-
-const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, uint32_t object)
-{
-    const conus_object *labelled = conus_atlas_object(report->atlas, object);
-    out[0] = '\0';
-    if (labelled) {
-        const char *word = report->prefixes[object];
-        snprintf(out, TABLE_LABEL_SIZE, "%s%s%u", word, word[0] ? " " : "", labelled->label);
-    }
-    return out;
-}
-
-int table_wider(int width, const char *name)
-{
-    int wanted = width_of(name);
-    wanted = wanted < NAME_LIMIT ? wanted : NAME_LIMIT;
-    return wanted > width ? wanted : width;
-}
-
-double report_number(const struct report_row *row, const char *column)
-{
-    return conus_table_numbers(row->of_table.table, column)[row->of_table.index];
-}
-
-const char *report_text(const struct report_row *row, const char *column)
-{
-    const char *text = conus_table_texts(row->of_table.table, column)[row->of_table.index];
-    return text ? text : "";
-}
-
-int table_name_width(const conus_report *report)
-{
-    int width = 12;
-    for (; report; report = report->next) {
-        for (size_t i = 0; i < report->row_count; i++) {
-            width = table_wider(width, table_name(report, report->rows[i].result.object));
-        }
-    }
-    return width;
-}
-
 void table_write_atlas(struct buffer *out, const conus_report *report)
 {
     if (report->name) {
         buffer_format(out, "atlas %s\n", report->name);
     }
-}
-
-void table_write_name(struct buffer *out, const char *name, int width)
-{
-    int columns = width_of(name);
-    int keep = columns > width ? width - 3 : columns;
-    const char *end = name;
-    for (int kept = 0; *end; end++) {
-        if (((unsigned char)*end & 0xc0) != 0x80 && kept++ == keep) {
-            break;
-        }
-    }
-    buffer_append(out, name, (size_t)(end - name));
-    buffer_format(out, "%s%*s", columns > width ? "..." : "", columns > width ? 0 : width - columns, "");
 }
 
 static void write_shape(struct buffer *out, const struct cone *cone)
@@ -102,19 +30,6 @@ static void write_shape(struct buffer *out, const struct cone *cone)
     if (cone_has_range(cone)) {
         buffer_format(out, ", %.4g to %.4g mm deep,", cone->range[0], cone->range[1]);
     }
-}
-
-const char *table_axes(char out[TABLE_AXES_SIZE], const conus_report *report, const char *what)
-{
-    conus_space space = report->frame.space;
-    snprintf(out, TABLE_AXES_SIZE, "%s %s, %s, %s", what, conus_space_axis(space, 0), conus_space_axis(space, 1),
-             conus_space_axis(space, 2));
-    return out;
-}
-
-int table_digits(const conus_report *report)
-{
-    return report->frame.space == CONUS_SPACE_CCF ? 1 : 2;
 }
 
 void table_write_space(struct buffer *out, const conus_report *report)
@@ -176,7 +91,7 @@ void table_write_id(struct buffer *out, const conus_report *report, const struct
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     size_t count = report->query_count;
-    bool is_one_pose = report->options.rows == CONUS_ROWS_SHARES && report_is_same_pose(report, 0, count - 1);
+    bool is_one_pose = report->kind == ROWS_SHARES && report_is_same_pose(report, 0, count - 1);
     if (count > 1 && !is_one_pose) {
         table_write_id(out, report, query);
     }
@@ -192,7 +107,7 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
         }
         buffer_format(out, "%.*f, %.*f, %.*f)", digits, middle[0], digits, middle[1], digits, middle[2]);
     } else {
-        if (report->options.rows == CONUS_ROWS_SHARES) {
+        if (report->kind == ROWS_SHARES) {
             buffer_text(out, query->asked.cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");
         } else {
             write_shape(out, &query->asked.cone);
@@ -202,246 +117,87 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
     table_write_space(out, report);
 }
 
-static void write_rank(struct buffer *out, const conus_report *report, const conus_result *result, int width)
-{
-    char rank[16] = "";
-    char label[TABLE_LABEL_SIZE];
-    if (result->object) {
-        snprintf(rank, sizeof rank, "%u", result->rank);
-    }
-    buffer_format(out, "%4s  ", rank);
-    table_write_name(out, table_name(report, result->object), width);
-    buffer_format(out, "  %10s", table_label(label, report, result->object));
-}
-
-/* A number in a column of this width behind two spaces, "-" if it is none; then the unit, or nothing. */
-static void write_number(struct buffer *out, int width, int digits, double value, const char *unit)
-{
-    if (isfinite(value)) {
-        buffer_format(out, "  %*.*f%s", width, digits, value, unit);
-    } else {
-        buffer_format(out, "  %*s%*s", width, "-", (int)strlen(unit), "");
-    }
-}
-
-static void write_short(struct buffer *out, double value)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%.4g", value);
-    buffer_format(out, "  %9s", isfinite(value) ? text : "-");
-}
-
-int report_share_digits(const conus_report *report)
-{
-    return report->selector.resolution >= 32;
-}
-
-const char *table_volume(char out[TABLE_VOLUME_SIZE], double volume)
-{
-    snprintf(out, TABLE_VOLUME_SIZE, volume > 0 && volume < 0.1 ? "%.3g" : "%.1f", volume);
-    return out;
-}
-
-/* A volume in its column; likewise. */
-static void write_volume(struct buffer *out, double volume)
-{
-    char text[TABLE_VOLUME_SIZE];
-    buffer_format(out, "  %9s", isfinite(volume) ? table_volume(text, volume) : "-");
-}
-
-/* Tables are wide enough: beside bundles no column of means that all are "-". */
-static bool has_means(const conus_report *report)
-{
-    bool found = !atlas_has_bundles(report->atlas);
-    for (size_t i = 0; i < report->atlas->volume_count && !found; i++) {
-        conus_role role = report->atlas->volumes[i].info.role;
-        found = role != CONUS_ROLE_PARCELLATION && role != CONUS_ROLE_CONTEXT;
-    }
-    return found;
-}
-
 /* The columns of answers for people. */
 
-enum shown { NUMBER, PERCENT, HUNDREDTHS, SHORT, VOLUME, COUNT, LARGE_COUNT, SHARE, STREAMLINES, POINT };
+#define AT(member) .offset = offsetof(conus_result, member), .size = sizeof((conus_result *)0)->member
+#define PERCENT .after = " %", .none = "-  "
+#define OF_OBJECTS .none = "-", .in = IN_OBJECTS
 
-/* What a column needs to be there. */
-enum needed { NOTHING, WEIGHT, POSTERIOR, DOSES, MEANS, BUNDLES };
-
-/* The rows that have it; others have spaces there, or end before it. */
-enum rows_with { ALL_ROWS, OBJECTS_ONLY, BUNDLES_ONLY };
-
-struct people_column {
-    const char *title, *below; /* Both lines of its head; of a point the axes' names and the unit are added. */
-    int width;
-    enum shown shown;
-    int digits;
-    size_t offset; /* In conus_result. */
-    enum needed needed;
-    enum rows_with rows;
-};
-
-/* The table of one kind of query. */
-struct people_form {
-    const struct people_column *columns;
-    size_t count;
-};
-
-#define AT(member) .offset = offsetof(conus_result, member)
-#define HIT_COLUMNS(below_pixels)                                                                                      \
-    {"share", "of cone", 8, SHARE, 1, AT(share)}, {"pixels", below_pixels, 6, COUNT, 0, AT(pixels)},                   \
-        {"weight", "of all", 8, PERCENT, 1, AT(weight), WEIGHT},                                                       \
-        {"error", "%", 5, HUNDREDTHS, 1, AT(weight_error), WEIGHT},                                                    \
+#define FIRST_COLUMNS                                                                                                  \
+    {"rank", "", LOOK_COUNT, 4, AT(rank), .in = IN_OBJECTS}, {"name", "", LOOK_NAME, .none = TABLE_NOTHING},           \
     {                                                                                                                  \
-        "posterior", "", 9, PERCENT, 1, AT(posterior), POSTERIOR, OBJECTS_ONLY                                         \
+        "label", "", LOOK_LABEL, .width = 10                                                                           \
+    }
+#define HIT_COLUMNS(below_pixels)                                                                                      \
+    {"share", "of cone", LOOK_SHARE, 8, AT(share), .after = " %"},                                                     \
+        {"pixels", below_pixels, LOOK_COUNT, 6, AT(pixels)},                                                           \
+        {"weight", "of all", LOOK_PERCENT, 8, AT(weight), .digits = 1, PERCENT, .with = WITH_WEIGHT},                  \
+        {"error", "%", LOOK_PERCENT, 5, AT(weight_error), .digits = 1, .none = "-", .with = WITH_WEIGHT},              \
+    {                                                                                                                  \
+        "posterior", "", LOOK_PERCENT, 9, AT(posterior), .digits = 1, PERCENT, .with = WITH_POSTERIOR,                 \
+                                                         .in = IN_OBJECTS                                              \
     }
 #define DOSE_COLUMNS                                                                                                   \
-    {"dose", "of all", 8, PERCENT, 1, AT(dose_share), DOSES}, {"mean", "weight", 9, SHORT, 0, AT(mean_weight), DOSES}, \
+    {"dose", "of all", LOOK_PERCENT, 8, AT(dose_share), .digits = 1, PERCENT, .with = WITH_DOSES},                     \
+        {"mean", "weight", LOOK_SHORT, 9, AT(mean_weight), .digits = 4, .none = "-", .with = WITH_DOSES},              \
     {                                                                                                                  \
-        "above", "mm^3", 9, SHORT, 0, AT(above), DOSES                                                                 \
+        "above", "mm^3", LOOK_SHORT, 9, AT(above), .digits = 4, .none = "-", .with = WITH_DOSES                        \
+    }
+#define WHOLE_COLUMNS                                                                                                  \
+    {"of whole", "area", LOOK_PERCENT, 8, AT(fraction), .digits = 2, PERCENT, .in = IN_OBJECTS},                       \
+    {                                                                                                                  \
+        "mean", "value", LOOK_FIXED, 9, AT(mean_value), .digits = 4, OF_OBJECTS, .with = WITH_MEANS                    \
     }
 #define BUNDLE_COLUMNS(where)                                                                                          \
-    {"streamlines", where, 15, STREAMLINES, 0, AT(streamlines), BUNDLES, BUNDLES_ONLY},                                \
+    {"streamlines", where, LOOK_STREAMLINES, 15, .with = WITH_BUNDLES, .in = IN_BUNDLES},                              \
     {                                                                                                                  \
-        "length", "mm", 9, NUMBER, 1, AT(length), BUNDLES, BUNDLES_ONLY                                                \
+        "length", "mm", LOOK_FIXED, 9, AT(length), .digits = 1, .none = "-", .with = WITH_BUNDLES, .in = IN_BUNDLES    \
     }
 
-static const struct people_column visible_columns[] = {
+static const struct shown visible_shown[] = {
+    FIRST_COLUMNS,
     HIT_COLUMNS(""),
-    {"nearest", "mm", 9, NUMBER, 2, AT(distance), NOTHING, OBJECTS_ONLY},
-    {"off axis", "degrees", 8, NUMBER, 2, AT(offset), NOTHING, OBJECTS_ONLY},
-    {"contact", "", 26, POINT, 0, AT(contact), NOTHING, OBJECTS_ONLY},
+    {"nearest", "mm", LOOK_FIXED, 9, AT(distance), .digits = 2, OF_OBJECTS},
+    {"off axis", "degrees", LOOK_FIXED, 8, AT(offset), .digits = 2, OF_OBJECTS},
+    {"contact", NULL, LOOK_POINT, 26, AT(contact), OF_OBJECTS},
+    {0},
 };
 
-static const struct people_column layers_columns[] = {
+static const struct shown layers_shown[] = {
+    FIRST_COLUMNS,
     HIT_COLUMNS("seen"),
     DOSE_COLUMNS,
-    {"pixels", "pierced", 7, COUNT, 0, AT(pierced), NOTHING, OBJECTS_ONLY},
-    {"enters", "mm", 8, NUMBER, 2, AT(entry), NOTHING, OBJECTS_ONLY},
-    {"leaves", "mm", 8, NUMBER, 2, AT(exit), NOTHING, OBJECTS_ONLY},
-    {"inside", "mm", 7, NUMBER, 2, AT(path), NOTHING, OBJECTS_ONLY},
-    {"volume", "mm^3", 9, VOLUME, 0, AT(volume), NOTHING, OBJECTS_ONLY},
-    {"of whole", "area", 8, PERCENT, 2, AT(fraction), NOTHING, OBJECTS_ONLY},
-    {"mean", "value", 9, NUMBER, 4, AT(mean_value), MEANS, OBJECTS_ONLY},
+    {"pixels", "pierced", LOOK_COUNT, 7, AT(pierced), .in = IN_OBJECTS},
+    {"enters", "mm", LOOK_FIXED, 8, AT(entry), .digits = 2, OF_OBJECTS},
+    {"leaves", "mm", LOOK_FIXED, 8, AT(exit), .digits = 2, OF_OBJECTS},
+    {"inside", "mm", LOOK_FIXED, 7, AT(path), .digits = 2, OF_OBJECTS},
+    {"volume", "mm^3", LOOK_VOLUME, 9, AT(volume), OF_OBJECTS},
+    WHOLE_COLUMNS,
     BUNDLE_COLUMNS("in the cone"),
+    {0},
 };
 
-static const struct people_column ball_columns[] = {
-    {"share", "of ball", 8, PERCENT, 2, AT(share)},
+static const struct shown ball_shown[] = {
+    FIRST_COLUMNS,
+    {"share", "of ball", LOOK_PERCENT, 8, AT(share), .digits = 2, PERCENT},
     DOSE_COLUMNS,
-    {"voxels", "", 8, LARGE_COUNT, 0, AT(voxels)},
-    {"volume", "mm^3", 9, VOLUME, 0, AT(volume)},
-    {"of whole", "area", 8, PERCENT, 2, AT(fraction), NOTHING, OBJECTS_ONLY},
-    {"mean", "value", 9, NUMBER, 4, AT(mean_value), MEANS, OBJECTS_ONLY},
-    {"distance", "mm", 8, NUMBER, 2, AT(distance), NOTHING, OBJECTS_ONLY},
-    {"nearest point", "", 26, POINT, 0, AT(contact), NOTHING, OBJECTS_ONLY},
+    {"voxels", "", LOOK_COUNT, 8, AT(voxels)},
+    {"volume", "mm^3", LOOK_VOLUME, 9, AT(volume), .none = "-"},
+    WHOLE_COLUMNS,
+    {"distance", "mm", LOOK_FIXED, 8, AT(distance), .digits = 2, OF_OBJECTS},
+    {"nearest point", NULL, LOOK_POINT, 26, AT(contact), OF_OBJECTS},
     BUNDLE_COLUMNS("in the ball"),
+    {0},
 };
 
-static const struct people_column point_columns[] = {
-    {"distance", "mm", 8, NUMBER, 2, AT(distance)},
-    {"nearest point", "", 26, POINT, 0, AT(contact)},
+static const struct shown point_shown[] = {
+    FIRST_COLUMNS,
+    {"distance", "mm", LOOK_FIXED, 8, AT(distance), .digits = 2, .none = "-"},
+    {"nearest point", NULL, LOOK_POINT, 26, AT(contact), .none = "-"},
+    {0},
 };
 
-static bool is_there(const conus_report *report, enum needed needed)
-{
-    switch (needed) {
-    case WEIGHT:
-        return report->weight.form && !report->weight.by_depth;
-    case POSTERIOR:
-        return report->prior.power > 0;
-    case DOSES:
-        return report->weight.form;
-    case MEANS:
-        return has_means(report);
-    case BUNDLES:
-        return atlas_has_bundles(report->atlas);
-    default:
-        return true;
-    }
-}
-
-static void write_heads(struct buffer *out, const conus_report *report, const struct people_form *form, int width)
-{
-    char axes[TABLE_AXES_SIZE];
-    for (int line = 0; line < 2; line++) {
-        buffer_format(out, "%4s  %-*s  %10s", line ? "" : "rank", width, line ? "" : "name", line ? "" : "label");
-        for (const struct people_column *at = form->columns; at < form->columns + form->count; at++) {
-            const char *head = line ? at->below : at->title;
-            if (at->shown == POINT) {
-                head = line ? conus_space_unit(report->frame.space) : table_axes(axes, report, at->title);
-            }
-            if (is_there(report, at->needed)) {
-                buffer_format(out, "  %*s", at->width, head);
-            }
-        }
-        buffer_text(out, "\n");
-    }
-}
-
-static void write_people_cell(struct buffer *out, const conus_report *report, const struct people_column *column,
-                              const conus_result *result)
-{
-    const void *at = (const char *)result + column->offset;
-    const double *number = at;
-    const int width = column->width;
-    char text[48];
-    double point[3];
-    switch (column->shown) {
-    case NUMBER:
-        write_number(out, width, column->digits, *number, "");
-        break;
-    case PERCENT:
-        write_number(out, width - 2, column->digits, 100 * *number, " %");
-        break;
-    case HUNDREDTHS:
-        write_number(out, width, column->digits, 100 * *number, "");
-        break;
-    case SHORT:
-        write_short(out, *number);
-        break;
-    case VOLUME:
-        write_volume(out, *number);
-        break;
-    case COUNT:
-        buffer_format(out, "  %*" PRIu32, width, *(const uint32_t *)at);
-        break;
-    case LARGE_COUNT:
-        buffer_format(out, "  %*" PRIu64, width, *(const uint64_t *)at);
-        break;
-    case SHARE:
-        buffer_format(out, "  %6s %%", text_share(text, *number, report_share_digits(report)));
-        break;
-    case STREAMLINES:
-        snprintf(text, sizeof text, "%" PRIu64 " of %" PRIu64, result->streamlines, result->streamlines_total);
-        buffer_format(out, "  %*s", width, text);
-        break;
-    case POINT:
-        memcpy(point, number, sizeof point);
-        report_point(report, point);
-        for (int a = 0; a < 3; a++) {
-            write_number(out, a ? 7 : 8, table_digits(report), point[a], "");
-        }
-        break;
-    }
-}
-
-static void write_result(struct buffer *out, const conus_report *report, const struct people_form *form,
-                         const conus_result *result, int width)
-{
-    int blank = 0;
-    write_rank(out, report, result, width);
-    for (const struct people_column *at = form->columns; at < form->columns + form->count; at++) {
-        bool has_it = at->rows == ALL_ROWS || (at->rows == OBJECTS_ONLY && result->object) ||
-                      (at->rows == BUNDLES_ONLY && result->kind == CONUS_KIND_BUNDLE);
-        if (is_there(report, at->needed) && has_it) {
-            buffer_format(out, "%*s", blank, "");
-            write_people_cell(out, report, at, result);
-            blank = 0;
-        } else if (is_there(report, at->needed)) {
-            blank += 2 + at->width;
-        }
-    }
-}
+enum form { FORM_VISIBLE, FORM_LAYERS, FORM_BALL, FORM_POINT, FORMS };
 
 /* The value of a pathway, or a probability, at the point; ends the line. */
 static void end_at_point(struct buffer *out, const conus_result *result)
@@ -477,27 +233,24 @@ static void write_here(struct buffer *out, const conus_report *report, size_t in
 }
 
 /* The answers of one atlas to query `index`. */
-static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
+static void write_answers(struct buffer *out, const conus_report *report, size_t index,
+                          const struct layout layouts[FORMS])
 {
-    static const struct people_form visible = {visible_columns, sizeof visible_columns / sizeof visible_columns[0]};
-    static const struct people_form layers = {layers_columns, sizeof layers_columns / sizeof layers_columns[0]};
-    static const struct people_form ball = {ball_columns, sizeof ball_columns / sizeof ball_columns[0]};
-    static const struct people_form point = {point_columns, sizeof point_columns / sizeof point_columns[0]};
-    const struct people_form *form = report->queries[index].is_point         ? &point
-                                     : report->queries[index].asked.ball > 0 ? &ball
-                                     : report->selector.layers               ? &layers
-                                                                             : &visible;
+    const enum form form = report->queries[index].is_point         ? FORM_POINT
+                           : report->queries[index].asked.ball > 0 ? FORM_BALL
+                           : report->selector.layers               ? FORM_LAYERS
+                                                                   : FORM_VISIBLE;
     table_write_atlas(out, report);
     if (report->queries[index].asked.ball > 0) {
         buffer_text(out, "at the point: ");
         write_here(out, report, index);
     }
-    write_heads(out, report, form, width);
+    table_write_heading(out, report, &layouts[form], false);
+    table_write_heading(out, report, &layouts[form], true);
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
-        const conus_result *result = &report->rows[row].result;
-        write_result(out, report, form, result, width);
-        if (form == &point) {
-            end_at_point(out, result);
+        table_write_row(out, report, &layouts[form], &report->rows[row]);
+        if (form == FORM_POINT) {
+            end_at_point(out, &report->rows[row].result);
         } else {
             buffer_text(out, "\n");
         }
@@ -583,13 +336,13 @@ struct point_widths {
 
 static int widest(int width, const char *text)
 {
-    const int other = width_of(text);
+    const int other = table_width(text);
     return other > width ? other : width;
 }
 
 static struct point_widths find_widths(const conus_report *report)
 {
-    struct point_widths widths = {.id = width_of("point")};
+    struct point_widths widths = {.id = table_width("point")};
     bool has_near = false;
     for (const conus_report *of = report; of; of = of->next) {
         widths.atlas = of->name ? widest(widths.atlas, of->name) : 0;
@@ -605,7 +358,7 @@ static struct point_widths find_widths(const conus_report *report)
     }
     widths.id = widths.id > WIDEST_ID ? WIDEST_ID : widths.id;
     widths.gap = widths.atlas ? 2 : 0;
-    widths.names = table_name_width(report) + (has_near ? width_of(nearest) : 0);
+    widths.names = table_name_width(report) + (has_near ? table_width(nearest) : 0);
     return widths;
 }
 
@@ -613,7 +366,7 @@ static struct point_widths find_widths(const conus_report *report)
 static void write_at_point(struct buffer *out, const conus_report *report, size_t index,
                            const struct point_widths *widths, const char *id, const char *at)
 {
-    char label[TABLE_LABEL_SIZE];
+    char label[TABLE_LABEL_SIZE], distance[32];
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
         const conus_result *result = &report->rows[row].result;
         const char *before = result->distance > 0 ? nearest : "";
@@ -621,9 +374,10 @@ static void write_at_point(struct buffer *out, const conus_report *report, size_
         buffer_format(out, "  %*s  ", WIDTH_OF_POINT, at);
         table_write_name(out, report->name ? report->name : "", widths->atlas);
         buffer_format(out, "%*s%s", widths->gap, "", before);
-        table_write_name(out, table_name(report, result->object), widths->names - width_of(before));
-        buffer_format(out, "  %10s", table_label(label, report, result->object));
-        write_number(out, 8, 2, result->distance, "");
+        table_write_name(out, table_name(report, result->object), widths->names - table_width(before));
+        snprintf(distance, sizeof distance, "%.2f", result->distance);
+        buffer_format(out, "  %10s  %8s", table_label(label, report, result->object),
+                      isfinite(result->distance) ? distance : "-");
         end_at_point(out, result);
         id = at = "";
     }
@@ -670,7 +424,8 @@ void report_write_table(struct buffer *out, const conus_report *report)
         (is_of_contacts(report) ? write_contacts : write_points)(out, report);
         return;
     }
-    int width = table_name_width(report);
+    const struct layout layouts[FORMS] = {table_lay_out(report, visible_shown), table_lay_out(report, layers_shown),
+                                          table_lay_out(report, ball_shown), table_lay_out(report, point_shown)};
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
             table_write_error(out, report, &report->queries[i], i + 1 < report->query_count);
@@ -678,7 +433,7 @@ void report_write_table(struct buffer *out, const conus_report *report)
         }
         table_write_query(out, report, &report->queries[i]);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
-            write_answers(out, of, i, width);
+            write_answers(out, of, i, layouts);
         }
         const struct report_query *query = &report->queries[i];
         if (query->asked.ball > 0) {

@@ -21,13 +21,13 @@ typedef void table_writer(struct buffer *out, const conus_report *report);
 
 static table_writer *table_of(const conus_report *report)
 {
-    return report->options.tracker                       ? report_write_track
-           : report->options.rows == CONUS_ROWS_ANSWERS  ? report_write_table
-           : report->options.rows == CONUS_ROWS_CLUSTERS ? report_write_clusters
-           : report->options.rows == CONUS_ROWS_NEEDLES || report->options.rows == CONUS_ROWS_PAIRS ? report_write_plan
-           : report->fields                                                                         ? report_write_study
-           : report->plan.count > 0                                                                 ? report_write_plan
-                                    : report_write_shares;
+    return report->options.tracker                                      ? report_write_track
+           : report->kind == ROWS_ANSWERS                               ? report_write_table
+           : report->kind == ROWS_CLUSTERS                              ? report_write_clusters
+           : report->kind == ROWS_NEEDLES || report->kind == ROWS_PAIRS ? report_write_plan
+           : report->fields                                             ? report_write_study
+           : report->plan.count > 0                                     ? report_write_plan
+                                                                        : report_write_shares;
 }
 
 static conus_status write_table(struct buffer *out, const conus_report *report)
@@ -38,12 +38,12 @@ static conus_status write_table(struct buffer *out, const conus_report *report)
 
 const struct report_format report_format_table = {.part = write_table};
 
-#define ADDRESS_OF(name, word, facts) &report_format_##name,
+#define ADDRESS_OF(number, name, word, facts) &report_format_##name,
 static const struct report_format *const formats[] = {REPORT_FORMATS(ADDRESS_OF)};
 
 static const struct report_format *format_of(const conus_report *report)
 {
-    return formats[report->options.format];
+    return formats[report->as];
 }
 
 conus_status report_write_part(struct buffer *out, const conus_report *report)
@@ -72,7 +72,7 @@ static conus_status check_joined(const conus_report *report)
 /* How words were understood comes first, for people. */
 static void write_places(struct buffer *out, const conus_report *report)
 {
-    bool is_table = report->options.format == CONUS_FORMAT_TABLE;
+    bool is_table = report->as == REPORT_TABLE;
     for (size_t i = 0; i < report->options.place_count && is_table; i++) {
         const conus_named_place *named = &report->options.places[i];
         char text[CONUS_PLACE_TEXT] = "";
@@ -113,7 +113,7 @@ conus_status conus_report_text(const char **text, size_t *size, conus_report *re
 
 conus_status conus_report_take(const char **text, size_t *size, conus_report *report)
 {
-    if (format_of(report)->whole || report_is_of_probe(report->options.format)) {
+    if (format_of(report)->whole || conus_format_at(report->as)->is_of_probe) {
         return fail(CONUS_ERROR_ARGUMENT, "format: this one is written as a whole; NDJSON can be taken in parts");
     }
     conus_status status = hand_out(report, write_text(report), text, size);
@@ -177,9 +177,8 @@ static conus_status fill_matrix(struct report_matrix *out, const conus_table *ta
 static conus_status write_matrix(conus_report *report, const conus_table *table)
 {
     struct report_matrix matrix;
-    conus_format format = report->options.format;
-    if (report->options.rows != CONUS_ROWS_CONNECTIONS ||
-        (format != CONUS_FORMAT_TSV && format != CONUS_FORMAT_CSV && format != CONUS_FORMAT_JSON)) {
+    const enum report_number format = report->as;
+    if (report->kind != ROWS_CONNECTIONS || (format != REPORT_TSV && format != REPORT_CSV && format != REPORT_JSON)) {
         return fail(CONUS_ERROR_ARGUMENT, "report: a table of areas is of connections, as TSV, CSV or JSON");
     }
     conus_status status = report_check_table(report, table);
@@ -188,7 +187,7 @@ static conus_status write_matrix(conus_report *report, const conus_table *table)
         return status;
     }
     buffer_finish(&report->text);
-    if (format == CONUS_FORMAT_JSON) {
+    if (format == REPORT_JSON) {
         status = report_write_json_matrix(&report->text, report, &matrix);
     } else {
         report_write_matrix(&report->text, report, &matrix);

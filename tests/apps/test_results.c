@@ -111,7 +111,7 @@ static void check_against_table(struct viewer *viewer, const size_t *columns, si
     conus_report *report = NULL;
     const char *text;
     size_t size;
-    assert_ok(viewer_report(&report, viewer, FIRST_TOOL, CONUS_FORMAT_TABLE));
+    assert_ok(viewer_report(&report, viewer, FIRST_TOOL, "table"));
     assert_ok(conus_report_text(&text, &size, report));
     const char *at = strstr(text, "rank  name");
     assert_non_null(at);

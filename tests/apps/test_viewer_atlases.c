@@ -46,7 +46,7 @@ static void load_two(struct viewer *out)
 /* The table of a selection with every digit; the caller frees it. */
 static char *table_of(const conus_selector *selector, const conus_selection *selection)
 {
-    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
+    const conus_report_options options = {.format = "tsv"};
     conus_report *report = NULL;
     const char *text;
     size_t size;

@@ -263,12 +263,7 @@ static void take_options(struct entry *entry)
         entry->options.atlas = total.named;
         entry->options.find_place = conus_place_find;
     }
-    const char *format = fact_text(entry, "format");
-    for (size_t i = 0; format && conus_pose_format_name(i); i++) {
-        if (strcmp(format, conus_pose_format_name(i)) == 0) {
-            entry->options.format = (conus_pose_format)i;
-        }
-    }
+    entry->options.format = fact_text(entry, "format");
 }
 
 static void check_keys(const struct entry *entry)

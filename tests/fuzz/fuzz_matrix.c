@@ -9,7 +9,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    const conus_pose_options options = {.format = CONUS_POSE_FORMAT_MATRIX};
+    const conus_pose_options options = {.format = "matrix"};
     const struct text text = {size ? (const char *)data : "", size}; /* libFuzzer's nothing is NULL */
     conus_pose_list *list = NULL;
     if (pose_list_parse(&list, text, &options)) {

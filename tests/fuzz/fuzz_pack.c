@@ -73,7 +73,7 @@ static void ask(const conus_atlas *atlas)
         size_t size;
         const conus_selector_options options = {
             .resolution = 16, .engine = CONUS_ENGINE_RAYS, .layers = i ? CONUS_LAYERS_ALL : (conus_layers)0};
-        const conus_report_options rows = {.format = CONUS_FORMAT_JSON};
+        const conus_report_options rows = {.format = "json"};
         if (!conus_selector_create(&selector, atlas, &options)) {
             if (!conus_pose_toward(&pose, from[i], (double[]){1, 1, 0.5}, NULL) &&
                 !conus_select(&selection, selector, &pose, 17) && !conus_report_create(&report, selector, &rows) &&

@@ -42,9 +42,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0; /* a process of conus-hdf5 each; see fuzz_matlab.c, fuzz_nwb.c */
     }
     const conus_pose_options axes = {.space = CONUS_SPACE_LPS, .axis = (conus_axis)(size % 7)};
-    const conus_pose_options shafts = {.format = CONUS_POSE_FORMAT_ELECTRODES, .along_shafts = true};
-    const conus_pose_options coils = {.format = CONUS_POSE_FORMAT_SIMNIBS, .max_memory = 1 << 20};
-    const conus_pose_options leads = {.format = CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, .max_memory = 1 << 20};
+    const conus_pose_options shafts = {.format = "electrodes", .along_shafts = true};
+    const conus_pose_options coils = {.format = "simnibs", .max_memory = 1 << 20};
+    const conus_pose_options leads = {.format = "lead-dbs-native", .max_memory = 1 << 20};
     /* CCF's AP, DV, ML grow backward, downward and to the right; bregma's AP, ML, DV forward, to the right and upward.
      * Their worlds are RAS, or have left for right. */
     const double right = size % 4 < 2 ? 1 : -1;

@@ -131,7 +131,7 @@ static char *answer_of(const conus_atlas *atlas)
     assert_ok(conus_selector_create(&selector, atlas, &options));
     assert_ok(conus_pose_toward(&pose, (double[]){3, -30, 2}, (double[]){0, 0, 0}, NULL));
     assert_ok(conus_select(&selection, selector, &pose, degrees_from_radians(0.5)));
-    assert_ok(conus_report_create(&report, selector, &(const conus_report_options){.format = CONUS_FORMAT_TSV}));
+    assert_ok(conus_report_create(&report, selector, &(const conus_report_options){.format = "tsv"}));
     assert_ok(conus_report_add(report, "1", selection));
     assert_ok(conus_report_text(&text, &size, report));
     buffer_append(&out, text, size + 1);

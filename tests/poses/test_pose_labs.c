@@ -12,11 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static conus_pose_format format_of(const char *name)
+static const char *format_of(const char *name)
 {
     conus_pose_stream *stream = NULL;
     assert_ok(conus_pose_stream_open(&stream, pose_sample(name), NULL));
-    conus_pose_format format = conus_pose_stream_format(stream);
+    const char *format = conus_pose_stream_format(stream);
     conus_pose_stream_destroy(stream);
     return format;
 }
@@ -24,13 +24,13 @@ static conus_pose_format format_of(const char *name)
 static void formats_are_found(void **state)
 {
     (void)state;
-    assert_int_equal(format_of("simnibs.mat"), CONUS_POSE_FORMAT_SIMNIBS);
-    assert_int_equal(format_of("lead-dbs.mat"), CONUS_POSE_FORMAT_LEAD_DBS);
-    assert_int_equal(format_of("invesalius.mkss"), CONUS_POSE_FORMAT_INVESALIUS);
-    assert_int_equal(format_of("markers.tsv"), CONUS_POSE_FORMAT_NIBS);
-    assert_int_equal(format_of("electrodes.tsv"), CONUS_POSE_FORMAT_ELECTRODES);
-    assert_string_equal(conus_pose_format_name(CONUS_POSE_FORMAT_LEAD_DBS_NATIVE), "lead-dbs-native");
-    assert_null(conus_pose_format_name(CONUS_POSE_FORMAT_LIST + 1));
+    assert_string_equal(format_of("simnibs.mat"), "simnibs");
+    assert_string_equal(format_of("lead-dbs.mat"), "lead-dbs");
+    assert_string_equal(format_of("invesalius.mkss"), "invesalius");
+    assert_string_equal(format_of("markers.tsv"), "nibs");
+    assert_string_equal(format_of("electrodes.tsv"), "electrodes");
+    assert_string_equal(conus_pose_format_name(0), "auto");
+    assert_null(conus_pose_format_name(16)); /* of 16 */
 }
 
 static void invesalius_markers(void **state)
@@ -102,8 +102,7 @@ static void invesalius_is_read_strictly(void **state)
     pose_text_refuse(text_from("##INVESALIUS3_MARKER_FILE_x\n"), NULL, "\"x\" is no version");
     pose_text_refuse(text_from(MKSS "label\tx\ty\tz\talpha\tbeta\tgamma\n"), NULL, "without the column x_world");
     pose_text_refuse(text_from(MKSS WORLD "\tx_world\n"), NULL, "a column x_world twice");
-    pose_text_refuse(text_from("label\n"), &(conus_pose_options){.format = CONUS_POSE_FORMAT_INVESALIUS},
-                     "the first line is not");
+    pose_text_refuse(text_from("label\n"), &(conus_pose_options){.format = "invesalius"}, "the first line is not");
     conus_pose_list *list = pose_text_parse(text_from("##INVESALIUS3_MARKER_FILE_9\n"
                                                       "\"label\"\t\"alpha\"\t" WORLD "\n"
                                                       "\"LEI\"\tNone\t1\t2\t3\t0\t0\t0\n"
@@ -160,7 +159,7 @@ static void nibs_markers(void **state)
 static void nibs_is_read_strictly(void **state)
 {
     (void)state;
-    const conus_pose_options nibs = {.format = CONUS_POSE_FORMAT_NIBS};
+    const conus_pose_options nibs = {.format = "nibs"};
     pose_text_refuse(text_from("x\ttarget_id\n"), &nibs, "the first column is none of");
     pose_text_refuse(text_from(" \n"), &nibs, "no header");
     pose_text_refuse(text_from("nibs_event_id\tnibs_type\nA\tTMS\n"), NULL, "only *_markers.tsv has positions");
@@ -258,12 +257,12 @@ static void spaces_must_fit(void **state)
     (void)state;
     static const struct {
         const char *name;
-        conus_pose_format format;
+        const char *format;
         bool fits;
-    } cases[] = {{"simnibs.mat", CONUS_POSE_FORMAT_AUTO, false},
-                 {"invesalius.mkss", CONUS_POSE_FORMAT_AUTO, false},
-                 {"lead-dbs.mat", CONUS_POSE_FORMAT_AUTO, true},
-                 {"lead-dbs.mat", CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, false}};
+    } cases[] = {{"simnibs.mat", "auto", false},
+                 {"invesalius.mkss", "auto", false},
+                 {"lead-dbs.mat", "auto", true},
+                 {"lead-dbs.mat", "lead-dbs-native", false}};
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
     bool is_template = strstr(conus_atlas_volume(atlas, 0)->transform, "MNI 152");
@@ -334,10 +333,10 @@ static void positions_in_metres_are_noted(void **state)
 
 static const struct {
     const char *name;
-    conus_pose_format format;
-} samples[] = {{"simnibs.mat", CONUS_POSE_FORMAT_AUTO},     {"simnibs.txt", CONUS_POSE_FORMAT_SIMNIBS},
-               {"lead-dbs.mat", CONUS_POSE_FORMAT_AUTO},    {"lead-dbs.mat", CONUS_POSE_FORMAT_LEAD_DBS_NATIVE},
-               {"invesalius.mkss", CONUS_POSE_FORMAT_AUTO}, {"markers.tsv", CONUS_POSE_FORMAT_AUTO}};
+    const char *format;
+} samples[] = {{"simnibs.mat", "auto"},     {"simnibs.txt", "simnibs"},
+               {"lead-dbs.mat", "auto"},    {"lead-dbs.mat", "lead-dbs-native"},
+               {"invesalius.mkss", "auto"}, {"markers.tsv", "auto"}};
 
 enum { SAMPLES = sizeof samples / sizeof samples[0] };
 

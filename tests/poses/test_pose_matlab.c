@@ -27,7 +27,7 @@ static void simnibs_sessions(void **state)
     conus_pose_list_destroy(list);
 }
 
-static const conus_pose_options simnibs = {.format = CONUS_POSE_FORMAT_SIMNIBS};
+static const conus_pose_options simnibs = {.format = "simnibs"};
 
 /* SimNIBS's manual has a coil above the vertex that faces downwards, with its y forward: [-1 0 0 -1.2; 0 1 0 -15.8; 0 0
  * -1 120; 0 0 0 1]. */
@@ -149,12 +149,12 @@ static void lead_dbs_contacts(void **state)
 {
     (void)state;
     static const struct {
-        conus_pose_format format;
+        const char *format;
         double shift;
         const char *note;
-    } cases[] = {{CONUS_POSE_FORMAT_AUTO, 0, "in MNI space, reco.mni"},
-                 {CONUS_POSE_FORMAT_LEAD_DBS, 0, "in MNI space, reco.mni"},
-                 {CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, 50, "in the patient's own space, reco.scrf"}};
+    } cases[] = {{"auto", 0, "in MNI space, reco.mni"},
+                 {"lead-dbs", 0, "in MNI space, reco.mni"},
+                 {"lead-dbs-native", 50, "in the patient's own space, reco.scrf"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = pose_sample_load("lead-dbs.mat", &(conus_pose_options){.format = cases[i].format});
         double shift = cases[i].shift;
@@ -218,7 +218,7 @@ static void lead_dbs_is_read_strictly(void **state)
     pose_text_refuse(matlab_built(&builder), NULL, "coords_mm: an array of numbers, a cell array");
     pose_text_refuse(matlab_built(&builder), &simnibs, "without matsimnibs");
     buffer_finish(&builder.bytes);
-    const conus_pose_options lead = {.format = CONUS_POSE_FORMAT_LEAD_DBS};
+    const conus_pose_options lead = {.format = "lead-dbs"};
     pose_text_refuse(text_from("1 2 3\n"), &lead, "not a file of MATLAB");
     static const double number = 1;
     matlab_begin(&builder, false);
@@ -242,7 +242,7 @@ static void lead_dbs_of_old(void **state)
     assert_row_at(pose_row_of(list, 0, "R1"), 1, 3, 5);
     assert_row_fails(list, 1, "R2", "allowed are finite numbers");
     conus_pose_list_destroy(list);
-    pose_text_refuse(matlab_built(&builder), &(conus_pose_options){.format = CONUS_POSE_FORMAT_LEAD_DBS_NATIVE},
+    pose_text_refuse(matlab_built(&builder), &(conus_pose_options){.format = "lead-dbs-native"},
                      "no positions of contacts, reco.native.coords_mm");
     buffer_finish(&builder.bytes);
 }

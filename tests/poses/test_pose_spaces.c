@@ -78,7 +78,7 @@ static void ibl_is_read_strictly(void **state)
     (void)state;
     static const char one[] = "{\"xyz_picks\":[[1,2,300]]}";
     const conus_pose_options along = {.frame = &ccf, .axis = CONUS_AXIS_PLUS_Z};
-    const conus_pose_options stated = {.frame = &ccf, .format = CONUS_POSE_FORMAT_IBL};
+    const conus_pose_options stated = {.frame = &ccf, .format = "ibl"};
     refuse(one, NULL, "space ccf or bregma is needed");
     refuse(one, &along, "no axis (+z)");
     refuse("{\"xyz_picks\":{}}", &in_ccf, "xyz_picks: a list is needed");

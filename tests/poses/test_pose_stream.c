@@ -348,7 +348,7 @@ static void points_are_points(void **state)
         parse("# MNI\n-40.5 -20 55 hand knob\n1,2,3\n\n 4\t5\t6\tSTN, left\n1 2\n1 2 3 4\n", NULL);
     static const double wanted[3][3] = {{-40.5, -20, 55}, {1, 2, 3}, {4, 5, 6}};
     static const char *const ids[] = {"hand knob", "2", "STN, left"};
-    assert_int_equal(conus_pose_stream_format(stream), CONUS_POSE_FORMAT_POINTS);
+    assert_string_equal(conus_pose_stream_format(stream), "points");
     for (size_t k = 0; k < 3; k++) {
         conus_pose_row row = read_one(stream);
         assert_null(row.error);
@@ -378,8 +378,8 @@ static void what_does_not_fit_is_refused(void **state)
         {"x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", {.axis = CONUS_AXIS_PLUS_X}, "no axis (+x)"},
         {"1 2 3\n", {.axis = CONUS_AXIS_MINUS_Y}, "no axis (-y)"},
         {"1 2 3 4\n5 6 7 8\n", {0}, "4 numbers in a line"},
-        {"1 2 3\n", {.format = CONUS_POSE_FORMAT_MATRIX}, "neither the 16"},
-        {"1 2 3\n", {.format = CONUS_POSE_FORMAT_TABLE}, "header"},
+        {"1 2 3\n", {.format = "matrix"}, "neither the 16"},
+        {"1 2 3\n", {.format = "table"}, "header"},
         {"1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", {.max_memory = 20}, "more than 20 bytes"},
         {"\xff\xfe"
          "1\t2\t3\n",
@@ -526,8 +526,7 @@ static void a_list_is_counted(void **state)
                                 "c\t0\t0\t0\t0\t0\t1\n",
                                 "1 2 3\n4 5 6\n7 8 9\n", "name\tx\ty\tz\nA1\t1\t2\t3\nA2\t4\t5\t6\nA3\t7\t8\t9\n"};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        conus_pose_options options = {.max_memory = 3 * 2048,
-                                      .format = i == 2 ? CONUS_POSE_FORMAT_ELECTRODES : CONUS_POSE_FORMAT_AUTO};
+        conus_pose_options options = {.max_memory = 3 * 2048, .format = i == 2 ? "electrodes" : "auto"};
         conus_pose_list *list = NULL;
         assert_ok(pose_list_parse(&list, text_from(rows[i]), &options));
         assert_int_equal(conus_pose_list_count(list), 3);

@@ -113,7 +113,7 @@ static void answer(char **rows, conus_image **image, const conus_atlas *atlas)
 {
     const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
     conus_selector *selector = NULL;
-    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
+    const conus_report_options options = {.format = "tsv"};
     conus_selection *selection = NULL;
     conus_report *report = NULL;
     const char *text;

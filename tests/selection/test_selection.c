@@ -157,7 +157,7 @@ static const char *text_in(conus_report *report)
     return text;
 }
 
-static conus_report *report_in(struct fixture *fixture, conus_format format, conus_space space)
+static conus_report *report_in(struct fixture *fixture, const char *format, conus_space space)
 {
     conus_report *report = NULL;
     const conus_report_options options = {.format = format, .space = space, .all_voxels = true, .command = "conus x"};
@@ -168,7 +168,7 @@ static conus_report *report_in(struct fixture *fixture, conus_format format, con
 
 static void tsv_has_the_contract_s_columns(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
+    conus_report *report = report_in(*state, "tsv", CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *header = "query\tkind\tindex\tname\tabbreviation\trank\tscore\tpixels\tshare\tpierced\tcenter_px\t"
                          "offset_deg\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tentry_mm\texit_mm\tpath_mm\t"
@@ -199,8 +199,8 @@ static double contact_x_of_first_row(const char *tsv)
 
 static void lps_reports_negate_x_and_y(void **state)
 {
-    conus_report *ras = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
-    conus_report *lps = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_LPS);
+    conus_report *ras = report_in(*state, "tsv", CONUS_SPACE_RAS);
+    conus_report *lps = report_in(*state, "tsv", CONUS_SPACE_LPS);
     double x = contact_x_of_first_row(text_in(ras));
     assert_true(x > 1);
     assert_near(contact_x_of_first_row(text_in(lps)), -x, 0);
@@ -210,7 +210,7 @@ static void lps_reports_negate_x_and_y(void **state)
 
 static void json_has_the_same_keys_and_provenance(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_FORMAT_JSON, CONUS_SPACE_RAS);
+    conus_report *report = report_in(*state, "json", CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *const parts[] = {"\"name\": \"ten\"",        "\"pierced\": null",   "\"CommandLine\": \"conus x\"",
                                  "\"orientation\": \"RAS\"", "\"angle_deg\": 60.0", "\"cone_pixels\": 12"};
@@ -218,7 +218,7 @@ static void json_has_the_same_keys_and_provenance(void **state)
         assert_non_null(strstr(text, parts[i]));
     }
     conus_report_destroy(report);
-    report = report_in(*state, CONUS_FORMAT_NDJSON, CONUS_SPACE_RAS);
+    report = report_in(*state, "ndjson", CONUS_SPACE_RAS);
     text = text_in(report);
     assert_ptr_equal(strstr(text, "{\"query\":\"q1\",\"kind\":\"area\",\"index\":10,"), text);
     conus_report_destroy(report);
@@ -226,7 +226,7 @@ static void json_has_the_same_keys_and_provenance(void **state)
 
 static void sidecar_describes_every_column(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
+    conus_report *report = report_in(*state, "tsv", CONUS_SPACE_RAS);
     const char *text;
     size_t size;
     assert_ok(conus_report_sidecar(&text, &size, report));
@@ -242,7 +242,7 @@ static void sidecar_describes_every_column(void **state)
 
 static void voxels_are_listed_once(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_FORMAT_TSV, CONUS_SPACE_RAS);
+    conus_report *report = report_in(*state, "tsv", CONUS_SPACE_RAS);
     const char *text;
     size_t size;
     assert_ok(conus_report_voxels(&text, &size, report));
@@ -254,7 +254,7 @@ static void voxels_are_listed_once(void **state)
 
 static void table_reads_well(void **state)
 {
-    conus_report *report = report_in(*state, CONUS_FORMAT_TABLE, CONUS_SPACE_RAS);
+    conus_report *report = report_in(*state, "table", CONUS_SPACE_RAS);
     const char *text = text_in(report);
     const char *const parts[] = {
         "cone of 60 degrees from (0.00, 0.00, 50.00)", "ten",           "(nothing hit)",
@@ -268,8 +268,7 @@ static void table_reads_well(void **state)
 static conus_status select_and_report(void *data)
 {
     struct fixture *fixture = data;
-    static const conus_format formats[] = {CONUS_FORMAT_TABLE, CONUS_FORMAT_TSV, CONUS_FORMAT_JSON,
-                                           CONUS_FORMAT_NDJSON};
+    static const char *const formats[] = {"table", "tsv", "json", "ndjson"};
     conus_selection *selection = NULL;
     conus_status status =
         conus_select(&selection, &fixture->selector, &fixture->selection->cone.pose, degrees_from_radians(1));

@@ -25,6 +25,11 @@
     int test_group_##name(void);                                                                                       \
     int test_group_##name(void)
 
+/** Runs what follows for each of these words. */
+#define FOR_WORDS(word, ...)                                                                                           \
+    for (const char *const *word##_at = (const char *const[]){__VA_ARGS__, NULL}, *word; (word = *word##_at);          \
+         word##_at++)
+
 /** Fails unless |got - wanted| <= tolerance (NaN never passes). */
 #define assert_near(got, wanted, tolerance)                                                                            \
     test_near((double)(got), (double)(wanted), (double)(tolerance), #got, __FILE__, __LINE__)

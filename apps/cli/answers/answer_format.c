@@ -51,9 +51,9 @@ const struct option answer_output_options[] = {
     {0},
 };
 
-bool answer_format(conus_format *out, const struct arguments *arguments, const struct answer_settings *settings)
+bool answer_format(const char **out, const struct arguments *arguments, const struct answer_settings *settings)
 {
-    *out = (conus_format)settings->format;
+    *out = conus_format_at(settings->format)->name;
     if (option_given(arguments, "format") || output_is_no_file(settings->output)) {
         return true;
     }
@@ -70,7 +70,7 @@ int answer_check_no_sidecar(const char *path)
                : EXIT_DONE;
 }
 
-int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings)
+int answer_sidecar(char **out, const char *format, const struct answer_settings *settings)
 {
     const char *given = settings->sidecar;
     const char *output = settings->output;
@@ -81,13 +81,13 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
         free(path);
         return code;
     }
-    if (given && format == CONUS_FORMAT_JSON) {
+    if (given && format_is(format, "json")) {
         return print_usage_error("--sidecar has no effect with JSON, which says everything itself");
     }
     if (given && (output_is_stdout(given) || !path_ends_in(given, ".json"))) {
         return print_usage_error("--sidecar: \"%s\" does not end in .json", given);
     }
-    if ((!given && (!output || output_is_no_file(output))) || format == CONUS_FORMAT_JSON) {
+    if ((!given && (!output || output_is_no_file(output))) || format_is(format, "json")) {
         return EXIT_DONE;
     }
     *out = given ? strdup(given) : provenance_path(output);
@@ -97,13 +97,13 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     return EXIT_DONE;
 }
 
-int answer_check_names(conus_format format, const struct outputs *outputs, const struct arguments *arguments,
+int answer_check_names(const char *format, const struct outputs *outputs, const struct arguments *arguments,
                        const struct atlases *atlases)
 {
     bool is_recorded = false;
     int code = EXIT_DONE;
     for (size_t i = 0; i < outputs->count; i++) {
-        is_recorded = is_recorded || outputs->items[i].is_sidecar || format == CONUS_FORMAT_JSON;
+        is_recorded = is_recorded || outputs->items[i].is_sidecar || format_is(format, "json");
     }
     for (int i = 1; is_recorded && i < arguments->count && !code; i++) {
         code = outputs_check_name(arguments->words[i]);

@@ -22,7 +22,7 @@
 /* The options for the format of an answer, the file it goes to, and the sidecar beside that file. */
 
 struct answer_settings {
-    size_t format; /* conus_format */
+    size_t format; /* of conus_format_at() */
     const char *output;
     const char *sidecar; /* NULL = beside the output */
     bool force;
@@ -34,12 +34,12 @@ extern const struct option answer_output_options[]; /**< answer_settings: --outp
 
 /** The format of --format if that was given, else the one of the ending of --output; a table for stdout, a device or a
  * pipe, which have no ending. False, after an error message, for a file whose ending says nothing. */
-bool answer_format(conus_format *out, const struct arguments *arguments, const struct answer_settings *settings);
+bool answer_format(const char **out, const struct arguments *arguments, const struct answer_settings *settings);
 
 /** Finds the path of the sidecar: that of --sidecar; else that of --output with ".json" in place of ".tsv" or ".csv",
  * or behind it. *out is the caller's to free(). It is NULL where no sidecar is written: a report in JSON says
  * everything itself, and --sidecar may be none. Returns the exit code and prints an error unless it is 0. */
-int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings);
+int answer_sidecar(char **out, const char *format, const struct answer_settings *settings);
 
 /** Whether nothing is at the @p path, NULL or where the sidecar of a file would be: with --sidecar none, what is there
  * would seem to describe that file. Likewise. */
@@ -47,7 +47,7 @@ int answer_check_no_sidecar(const char *path);
 
 /** Checks the names of the atlases' files and the words of the command line, where they are recorded: in a sidecar or
  * a file in JSON. Likewise. */
-int answer_check_names(conus_format format, const struct outputs *outputs, const struct arguments *arguments,
+int answer_check_names(const char *format, const struct outputs *outputs, const struct arguments *arguments,
                        const struct atlases *atlases);
 
 /* Files that show one selection: --image, --mask with its sidecar, --streamlines-out. */
@@ -103,7 +103,7 @@ struct asked {
     conus_tolerance_options pivot; /**< of --tolerance */
     const conus_together *together;
     conus_table *made; /**< A table that is there already; the files end it. NULL = none. */
-    conus_rows made_of;
+    const char *made_of;
 };
 
 struct rows_file;
@@ -111,8 +111,7 @@ struct rows_file;
 /** An option that names a file of rows. */
 struct rows_kind {
     const char *option;
-    conus_rows rows;
-    const char *word;   /**< Its name in the sidecar's question, */
+    const char *rows;   /**< conus_report_options.rows, also in the sidecar's question, */
     const char *region; /**< and what that is about; NULL = what the answer is about. */
     bool needs_file;    /**< It is never in the place of the answer on stdout. */
     bool is_matrix;     /**< Areas by areas, without a sidecar; the first answer alone. */
@@ -129,7 +128,7 @@ struct rows_file {
     const struct rows_kind *kind;
     const char *path;
     double within; /**< Clearances up to so many mm. */
-    conus_format format;
+    const char *format;
     char *sidecar;          /**< Path; NULL if there is none to write. */
     conus_report **reports; /**< [count] That of the first atlas has the rows of all. */
     size_t count;
@@ -148,7 +147,7 @@ struct rows_files {
 /** Finds the files, formats and sidecars (none where --sidecar says so): the format by the ending; on stdout rows have
  * the answer's @p format, unless @p output names a file for it. @p out is the caller's to rows_files_finish() in any
  * case. */
-int rows_files_init(struct rows_files *out, const struct arguments *arguments, const char *output, conus_format format);
+int rows_files_init(struct rows_files *out, const struct arguments *arguments, const char *output, const char *format);
 void rows_files_finish(struct rows_files *files);
 
 /** Makes the reports of the next atlas. @p options has space, command and the atlas's name. */

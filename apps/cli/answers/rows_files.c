@@ -8,6 +8,7 @@
 #include "options/provenance.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static conus_status find_segments(conus_table **out, conus_selector *selector, const struct rows_file *file,
                                   const struct asked *asked)
@@ -57,15 +58,15 @@ static conus_status add_pairs(conus_report *report, const struct asked *asked)
 }
 
 const struct rows_kind rows_kinds[ROWS_KINDS] = {
-    {"segments", CONUS_ROWS_SEGMENTS, "segments", "axis", .study = find_segments},
-    {"clearance", CONUS_ROWS_CLEARANCES, "clearances", "axis", .study = find_clearance},
-    {"endpoints", CONUS_ROWS_CONNECTIONS, "connections", .needs_file = true, .study = find_ends},
-    {"connectivity", CONUS_ROWS_CONNECTIONS, "connections", .is_matrix = true, .study = find_ends},
-    {"clusters", CONUS_ROWS_CLUSTERS, "clusters", .needs_file = true, .study = find_clusters},
-    {"constraints", CONUS_ROWS_CONSTRAINTS, "constraints", "axis", .add = add_plan},
-    {"profile", CONUS_ROWS_PROFILE, "profile", "axis", .add = add_profile},
-    {"tolerance", CONUS_ROWS_TOLERANCE, "tolerance", "axis", .add = add_tolerance},
-    {"pairs", CONUS_ROWS_PAIRS, "pairs", "axis", .add = add_pairs},
+    {"segments", "segments", "axis", .study = find_segments},
+    {"clearance", "clearances", "axis", .study = find_clearance},
+    {"endpoints", "connections", .needs_file = true, .study = find_ends},
+    {"connectivity", "connections", .is_matrix = true, .study = find_ends},
+    {"clusters", "clusters", .needs_file = true, .study = find_clusters},
+    {"constraints", "constraints", "axis", .add = add_plan},
+    {"profile", "profile", "axis", .add = add_profile},
+    {"tolerance", "tolerance", "axis", .add = add_tolerance},
+    {"pairs", "pairs", "axis", .add = add_pairs},
 };
 
 /* The format is by the ending, where that is a file. */
@@ -74,8 +75,8 @@ static int find_format(struct rows_file *file)
     const char *option = file->kind->option;
     bool is_known = output_format(&file->format, file->path);
     if (file->kind->is_matrix) {
-        bool is_fit = is_known && (file->format == CONUS_FORMAT_TSV || file->format == CONUS_FORMAT_CSV ||
-                                   file->format == CONUS_FORMAT_JSON);
+        bool is_fit = is_known && (format_is(file->format, "tsv") || format_is(file->format, "csv") ||
+                                   format_is(file->format, "json"));
         return is_fit ? EXIT_DONE
                       : print_usage_error("%s: --%s ends in none of .tsv, .csv and .json", file->path, option);
     }
@@ -87,7 +88,7 @@ static int find_format(struct rows_file *file)
                                  "people, .txt",
                                  file->path, option);
     }
-    return format_is_foreign(file->format)
+    return format_of(file->format)->is_foreign
                ? print_usage_error(
                      "--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do", option)
                : EXIT_DONE;
@@ -99,7 +100,7 @@ static int find_sidecar(struct rows_file *file, const char *given)
     return file->kind->is_matrix ? EXIT_DONE : answer_sidecar(&file->sidecar, file->format, &answer);
 }
 
-int rows_files_init(struct rows_files *out, const struct arguments *arguments, const char *output, conus_format format)
+int rows_files_init(struct rows_files *out, const struct arguments *arguments, const char *output, const char *format)
 {
     const char *sidecar = option_text(arguments, "sidecar"); /* none is of the rows, too */
     const char *on_stdout = NULL;
@@ -111,11 +112,10 @@ int rows_files_init(struct rows_files *out, const struct arguments *arguments, c
             continue;
         }
         struct rows_file *file = &out->items[out->count++];
-        *file =
-            (struct rows_file){.kind = kind,
-                               .path = path,
-                               .within = option_key_number(arguments, "clearance", CLEARANCE_WITHIN),
-                               .format = kind->needs_file || !output_is_stdout(output) ? CONUS_FORMAT_TABLE : format};
+        *file = (struct rows_file){.kind = kind,
+                                   .path = path,
+                                   .within = option_key_number(arguments, "clearance", CLEARANCE_WITHIN),
+                                   .format = kind->needs_file || !output_is_stdout(output) ? "table" : format};
         code = find_format(file);
         code = code ? code : find_sidecar(file, sidecar);
         if (!code && on_stdout && output_is_stdout(path)) {
@@ -180,7 +180,7 @@ conus_status rows_files_report(struct rows_files *files, const conus_selector *s
 /* Kinds of one sort of rows have one table. */
 static conus_status find_table(struct asked *asked, const struct rows_file *file, conus_selector *selector)
 {
-    if (asked->made && asked->made_of == file->kind->rows) {
+    if (asked->made && strcmp(asked->made_of, file->kind->rows) == 0) {
         return CONUS_OK;
     }
     conus_table_destroy(asked->made);
@@ -228,9 +228,9 @@ static int write_matrix(const struct rows_file *file, const struct provenance *p
     const char *text = NULL;
     size_t size = 0;
     conus_status status = file->matrix ? conus_report_matrix(&text, &size, file->reports[0], file->matrix) : CONUS_OK;
-    return status || !text                     ? print_status(status)
-           : file->format == CONUS_FORMAT_JSON ? answer_write_json(file->path, provenance, text, size)
-                                               : output_write(file->path, text, size);
+    return status || !text                   ? print_status(status)
+           : format_is(file->format, "json") ? answer_write_json(file->path, provenance, text, size)
+                                             : output_write(file->path, text, size);
 }
 
 int rows_files_write(const struct rows_files *files, const struct provenance *provenance)
@@ -241,7 +241,7 @@ int rows_files_write(const struct rows_files *files, const struct provenance *pr
         struct provenance own = *provenance;
         own.option = file->kind->option;
         own.is_table = false;
-        own.question.rows = file->kind->word;
+        own.question.rows = file->kind->rows;
         own.question.region = file->kind->region ? file->kind->region : own.question.region;
         code = file->kind->is_matrix ? write_matrix(file, &own)
                                      : answer_write(file->reports[0], file->path, file->sidecar, &own);

@@ -68,7 +68,7 @@ extern const struct option_group batch_groups[]; /**< For struct batch_settings.
 
 /** The format of the rows: --format (not that of rows about axes besides answers), else what the ending of --output
  * says, TSV where that is no file. False, after an error message, for a file whose ending says nothing. */
-bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
+bool batch_format(const char **out, const struct batch_settings *settings, const struct arguments *arguments);
 
 /* The way of every batch: from the command line to one run for each file of rows. */
 

@@ -101,14 +101,14 @@ const struct option_group batch_groups[] = {
     {0},
 };
 
-bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments)
+bool batch_format(const char **out, const struct batch_settings *settings, const struct arguments *arguments)
 {
     bool is_besides = settings->of_axis && option_given(arguments, "output"); /* --format is of the other file */
-    *out = is_besides ? CONUS_FORMAT_TSV : (conus_format)find_format(settings->format);
+    *out = is_besides ? "tsv" : name_of_format(settings->format);
     if ((option_given(arguments, "format") && !is_besides) || output_is_no_file(settings->output)) {
         return true;
     }
-    bool known = output_format(out, settings->output) && *out != CONUS_FORMAT_TABLE && *out != CONUS_FORMAT_JSON;
+    bool known = output_format(out, settings->output) && !format_is(*out, "table") && !format_is(*out, "json");
     return known || refuse("%s: --%s ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
                            "written",
                            settings->output, settings->of_axis ? settings->of_axis->option : "output");

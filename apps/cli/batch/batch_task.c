@@ -30,7 +30,7 @@ struct task {
     char point_error[256], understood[96]; /* about poses that are points */
     const struct batch_settings *settings;
     const struct arguments *arguments;
-    conus_format format;
+    const char *format;
     conus_contacts contacts; /* from --contacts */
     double within;           /* from --clearance, mm */
     size_t notes_said;       /* of the poses */
@@ -62,16 +62,16 @@ struct task {
 
 static const struct shard all_parts = {0, 1, true}; /* as one: --shard all/N */
 
-static bool check_settings(conus_format *format, const struct batch_settings *settings,
+static bool check_settings(const char **format, const struct batch_settings *settings,
                            const struct arguments *arguments)
 {
     if (!batch_format(format, settings, arguments)) {
         return false;
     }
-    if (settings->atlas.more.count && format_is_foreign(*format)) {
+    if (settings->atlas.more.count && format_of(*format)->is_foreign) {
         return refuse("--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
     }
-    if (settings->of_axis && format_is_foreign(*format)) {
+    if (settings->of_axis && format_of(*format)->is_foreign) {
         return refuse("--format: formats of other programs hold no %s; tsv, csv and ndjson do",
                       settings->of_axis->option);
     }
@@ -79,13 +79,13 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         return refuse("--%s has no effect without --output: other rows have but one order",
                       settings->summary ? "summary" : "order");
     }
-    if (settings->summary && format_is_foreign(*format)) {
+    if (settings->summary && format_of(*format)->is_foreign) {
         return refuse("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
     }
-    if (settings->keep.columns && format_is_foreign(*format)) {
+    if (settings->keep.columns && format_of(*format)->is_foreign) {
         return refuse("--keep: formats of other programs have no place for it; tsv, csv and ndjson have");
     }
-    if (settings->probe.path && format_is_foreign(*format)) {
+    if (settings->probe.path && format_of(*format)->is_foreign) {
         return refuse("--format: of many probes tsv, csv and ndjson hold the contacts; conus query --probe writes the "
                       "others");
     }
@@ -93,7 +93,7 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         return refuse(settings->force ? "--force has no effect without a file for --output"
                                       : "--shard all/N needs a file for --output, beside which the parts are");
     }
-    if (settings->part.count > 1 && format_is_of_probe(*format)) {
+    if (settings->part.count > 1 && format_of(*format)->is_of_probe) {
         return refuse("--shard: a probe's string is one whole");
     }
     return settings_check_score(&settings->engine, false) &&
@@ -141,7 +141,7 @@ static conus_pose_options pose_options(const struct task *task)
                                                        atlas, settings->atlas.max_memory);
     options.keep = task->kept.at;
     options.keep_count = task->kept.count;
-    options.all_rows = task->format == CONUS_FORMAT_BIDS || format_is_of_probe(task->format);
+    options.all_rows = format_is(task->format, "bids") || format_of(task->format)->is_of_probe;
     return options;
 }
 
@@ -271,9 +271,9 @@ static void say_question(const struct task *task)
                  what, tip[0], tip[1]);
         return;
     }
-    const conus_pose_format format = conus_pose_stream_format(task->poses);
-    bool may_mix = format == CONUS_POSE_FORMAT_BRAINSIGHT || format == CONUS_POSE_FORMAT_MARKUPS ||
-                   format == CONUS_POSE_FORMAT_NIBS; /* points and poses in one file */
+    const char *format = conus_pose_stream_format(task->poses);
+    bool may_mix = format_is(format, "brainsight") || format_is(format, "markups") ||
+                   format_is(format, "nibs"); /* points and poses in one file */
     bool is_said = conus_pose_stream_has_points(task->poses) && !may_mix;
     if (task->understood[0]) {
         say_note(CONUS_SEVERITY_NOTE, settings->common.quiet || settings->is_again, "%s: %s",
@@ -307,7 +307,7 @@ static int create_batch(struct task *task)
     conus_batch_destroy(task->batch);
     task->batch = NULL;
     task->options.report.electrodes =
-        task->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(task->poses) : NULL;
+        format_is(task->format, "bids") ? conus_pose_stream_electrodes(task->poses) : NULL;
     conus_status status = conus_batch_create(&task->batch, task->aimed[0].selector, &task->options);
     for (size_t i = 1; i < task->atlases.count && !status; i++) {
         status = conus_batch_add(task->batch, task->aimed[i].selector, task->atlases.items[i].name);
@@ -320,12 +320,11 @@ static int build_task(struct task *task)
     const struct batch_settings *settings = task->settings;
     conus_selector_options engine = settings_engine(&settings->engine, &settings->aim, &settings->common);
     settings_point_error(task->point_error, &settings->engine, task->arguments);
-    if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && !settings->aim.inward &&
-        task->point_error[0]) {
+    if (format_is(conus_pose_stream_format(task->poses), "points") && !settings->aim.inward && task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
-                      !settings->of_axis && !format_is_foreign(task->format);
+                      !settings->of_axis && !format_of(task->format)->is_foreign;
     int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points,
                                    conus_pose_stream_has_radii(task->poses), conus_pose_stream_space(task->poses));
     if (code) {
@@ -337,8 +336,8 @@ static int build_task(struct task *task)
         .angle = settings_angle(&settings->aim, &settings->engine),
         .point_error = task->point_error[0] && !task->probe ? task->point_error : NULL, /* contacts are asked */
         .report = {.rows = settings->of_axis   ? settings->of_axis->rows
-                           : settings->summary ? CONUS_ROWS_SUMMARIES
-                                               : CONUS_ROWS_ANSWERS,
+                           : settings->summary ? "summaries"
+                                               : "answers",
                    .format = task->format,
                    .frame = &task->frame,
                    .atlas = task->atlases.items[0].name,
@@ -365,11 +364,11 @@ static int build_task(struct task *task)
     for (size_t i = 0; i < task->atlases.count; i++) {
         const struct named_atlas *item = &task->atlases.items[i];
         struct aimed *aimed = &task->aimed[i];
-        *aimed =
-            (struct aimed){.atlas = item->atlas,
-                           .name = item->name,
-                           .frame = &task->frame,
-                           .radius = settings_point_radius(&settings->engine, NULL, format_is_foreign(task->format))};
+        *aimed = (struct aimed){
+            .atlas = item->atlas,
+            .name = item->name,
+            .frame = &task->frame,
+            .radius = settings_point_radius(&settings->engine, NULL, format_of(task->format)->is_foreign)};
         engine.level = i ? NULL : engine.level;
         conus_status status = conus_selector_create(&aimed->selector, item->atlas, &engine);
         if (status) {
@@ -398,9 +397,13 @@ static int identify(struct task *task)
     const struct batch_settings *settings = task->settings;
     const conus_atlas *atlas = task->atlases.items[0].atlas;
     const char *asked = task->arguments->operands[0];
-    const char format[] = {(char)('0' + task->format), '\0'};
+    size_t place = 0;
+    while (!format_is(task->format, conus_format_at(place)->name)) {
+        place++;
+    }
+    const char format[] = {(char)('0' + place), '\0'};
     /* AFNI's rows have the name of the atlas's file without its folder, or that of its manifest. */
-    bool has_file_name = task->format == CONUS_FORMAT_AFNI;
+    bool has_file_name = format_is(task->format, "afni");
     const conus_volume_info *info = has_file_name ? conus_atlas_volume(atlas, 0) : NULL;
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
     const char *sidecar = NULL;
@@ -643,7 +646,7 @@ static int finish_file(struct task *task)
     };
     memcpy(record.fingerprint, task->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &task->settings->engine;
-    bool of_shanks = format_is_of_probe(task->format) &&
+    bool of_shanks = format_of(task->format)->is_of_probe &&
                      (engine->range.ends[1] > 0 || record.has_ranges); /* contacts have no range */
     const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
                                       : of_shanks             ? &rows_kinds[0]
@@ -652,7 +655,7 @@ static int finish_file(struct task *task)
                         !task->aimed[0].found.poses;
     const struct question question = {
         .arguments = task->arguments,
-        .rows = of_axis                   ? of_axis->word
+        .rows = of_axis                   ? of_axis->rows
                 : task->settings->summary ? "summaries"
                                           : "answers",
         .region = of_axis                       ? "axis"

@@ -210,7 +210,7 @@ static void put_output(struct writing *out, const struct option_use *use)
     /* Rows beside an answer have a format by their file's ending; those that went to no file are not compared. */
     const char *no_file = option->role == OPTION_WRITES_ROWS ? "rows.tsv" : "rows";
     const char *name = output_is_no_file(given) ? no_file : path_name(given);
-    conus_format format;
+    const char *format;
     char *path = stage_output(&out->replay->stage, option->name, name);
     char *keyed = NULL;
     if (path && key && asprintf(&keyed, "%s,%s=%s", path, use->key_name, key) < 0) {

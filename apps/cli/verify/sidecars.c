@@ -143,9 +143,9 @@ static json_t *path_asked(const char *asked, const char *written)
  * and its path are known. */
 static bool has_provenance(const struct option *option, const char *path)
 {
-    conus_format format = CONUS_FORMAT_TABLE;
+    const char *format = "table";
     return option->flags & OPTION_IS_PICTURE ||
-           (path && option->role == OPTION_WRITES_ROWS && output_format(&format, path) && format == CONUS_FORMAT_JSON);
+           (path && option->role == OPTION_WRITES_ROWS && output_format(&format, path) && format_is(format, "json"));
 }
 
 /* The files that were made again lie elsewhere: each path must be the one that was asked for. */

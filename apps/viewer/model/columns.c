@@ -353,15 +353,15 @@ size_t *result_order(const struct viewer *viewer, const struct view_atlas *view,
 
 bool export_results(struct viewer *viewer, const char *path, char why[EXPORT_WHY])
 {
-    conus_format format;
+    const char *format;
     if (!output_format(&format, path)) {
         snprintf(why, EXPORT_WHY, "%s ends in none of .tsv, .csv and .json", path);
         return false;
     }
     const struct provenance provenance = {0};
     conus_report **reports = calloc(viewer->atlas_count, sizeof(conus_report *));
-    char *sidecar = format == CONUS_FORMAT_JSON ? NULL : provenance_path(path); /* JSON is its own */
-    bool whole = reports && (sidecar || format == CONUS_FORMAT_JSON);
+    char *sidecar = format_is(format, "json") ? NULL : provenance_path(path); /* JSON is its own */
+    bool whole = reports && (sidecar || format_is(format, "json"));
     messages_hold(true);
     conus_status status = whole ? viewer_report(reports, viewer, FIRST_TOOL, format) : CONUS_ERROR_MEMORY;
     int code = status ? print_status(status) : answer_write(reports[0], path, sidecar, &provenance);

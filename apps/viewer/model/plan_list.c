@@ -71,8 +71,7 @@ static conus_status take_rows(struct plan_list *out, const conus_plan *plan, con
 static conus_status write_text(struct plan_list *out, conus_plan *plan, const conus_selector *selector,
                                const conus_frame *frame)
 {
-    const conus_report_options options = {
-        .rows = CONUS_ROWS_PLAN, .format = CONUS_FORMAT_TSV, .frame = frame, .no_voxels = true};
+    const conus_report_options options = {.rows = "plan", .format = "tsv", .frame = frame, .no_voxels = true};
     conus_report *report = NULL;
     const char *text;
     size_t size;

@@ -176,8 +176,8 @@ static conus_status answer_atlas(struct work *work, const char *name, size_t atl
 {
     const struct study_question *question = &work->answer->question;
     bool sweeps = question->settings.kind == STUDY_SWEEP;
-    const conus_report_options options = {.rows = sweeps ? CONUS_ROWS_SHARES : CONUS_ROWS_CHANCES,
-                                          .format = CONUS_FORMAT_TSV,
+    const conus_report_options options = {.rows = sweeps ? "shares" : "chances",
+                                          .format = "tsv",
                                           .atlas = name[0] ? name : NULL,
                                           .frame = &question->frame,
                                           .no_voxels = true};

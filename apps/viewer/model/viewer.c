@@ -223,7 +223,7 @@ char *viewer_pins_text(const struct viewer *viewer)
     return system_text_close(&text);
 }
 
-conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, conus_format format)
+conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, const char *format)
 {
     conus_status status = CONUS_OK;
     bool was_asked = false;
@@ -259,7 +259,7 @@ static conus_status tabulate(char **out, struct viewer *viewer, enum tool_number
     conus_status status = reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     const char *text;
     size_t size;
-    status = status ? status : viewer_report(reports, viewer, tool, CONUS_FORMAT_TSV);
+    status = status ? status : viewer_report(reports, viewer, tool, "tsv");
     status = status ? status : conus_report_text(&text, &size, reports[0]);
     *out = status ? NULL : strdup(text);
     for (size_t i = 0; reports && i < viewer->atlas_count; i++) {

@@ -422,7 +422,7 @@ char *viewer_results_text(struct viewer *viewer);
 
 /** Makes a report of @p format for each atlas, on a tool's answer, or why there is none; the texts of the first are
  * those of all. @p reports is [atlas_count], zeroed, and the caller's to end in any case. */
-conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, conus_format format);
+conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, const char *format);
 
 /** Writes what a tool selected in all atlases as conus query -o FILE.tsv does. */
 conus_status viewer_write_results(struct viewer *viewer, enum tool_number tool, const char *path);

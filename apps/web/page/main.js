@@ -8,7 +8,7 @@ import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } fr
 
 /** @typedef {import("./state.js").Question} Question */
 const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(true)); // before anything changes, and without conus and the files, which stand below this code
-const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format; the sidecar has none
+const FORMATS = { tsv: 1, csv: 2, json: 3 }; // their places in conus_format_at(); the sidecar has none
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
 const SHEET = 11; // rows on paper, as page.css says

@@ -104,7 +104,7 @@ const CALLS = {
     conus.mesh_end();
     return { parts, closed };
   },
-  /** The answer as text: by a number of enum conus_format, or the sidecar. */
+  /** The answer as text: by its place in conus_format_at(), or the sidecar. */
   text: ({ format }) => ({ text: format ? conus.rows(format) : conus.sidecar() }),
 };
 

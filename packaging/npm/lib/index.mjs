@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // conus in a page: files in, rows out. Each atlas has a worker of its own, which is that of conus page (apps/web).
 
-const FORMATS = { sidecar: 0, tsv: 1, csv: 2, json: 3, ndjson: 4 }; // of enum conus_format
+const FORMATS = { sidecar: 0, tsv: 1, csv: 2, json: 3, ndjson: 4 }; // their places in conus_format_at()
 
 export class ConusError extends Error {
   name = "ConusError";

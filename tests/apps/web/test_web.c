@@ -42,6 +42,8 @@ static void asks_well(const char *answer, const char *hits, double depth)
     assert_non_null(strstr(answer, hits));
 }
 
+enum { CSV = 2 }; /* its place in conus_format_at() */
+
 /* Down the y axis from y = 50, the anterior box begins at a distance of 38 mm and hides the other. All layers have no
  * deepest hit. */
 static void test_rows_of_an_answer(void **state)
@@ -49,12 +51,12 @@ static void test_rows_of_an_answer(void **state)
     (void)state;
     asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"),
               "\"hits\": [1], \"ranks\": [1], \"colours\": [\"#d2246c\"]}", 38);
-    const char *first = web_rows(CONUS_FORMAT_CSV);
+    const char *first = web_rows(CSV);
     assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
     assert_null(strstr(first, "Slab posterior"));
     asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&layers=all"),
               "\"ranks\": [1, 2], \"colours\": [\"#d2246c\", \"#009ca8\"]}", 0);
-    assert_non_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab posterior"));
+    assert_non_null(strstr(web_rows(CSV), "Slab posterior"));
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
 }
 
@@ -68,12 +70,12 @@ static void test_the_form_is_what_is_asked(void **state)
     assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "default")), "20");
     json_decref(rows);
     web_ask(3, 50, 4, 3, 0, 4, "");
-    char *plain = strdup(web_rows(CONUS_FORMAT_CSV));
+    char *plain = strdup(web_rows(CSV));
     assert_non_null(strstr(plain, "Slab anterior"));
     web_ask(3, 50, 4, 3, 0, 4, "&angle=20&layers=visible&resolution=64");
-    assert_string_equal(web_rows(CONUS_FORMAT_CSV), plain);
+    assert_string_equal(web_rows(CSV), plain);
     web_ask(3, 50, 4, 3, 0, 4, "&angle=21");
-    assert_string_not_equal(web_rows(CONUS_FORMAT_CSV), plain);
+    assert_string_not_equal(web_rows(CSV), plain);
     free(plain);
 }
 
@@ -97,7 +99,7 @@ static void test_errors_are_words(void **state)
         const char *said = web_ask(3, 50, 4, 3, 0, 4, wrong[i][0]);
         assert_memory_equal(said, "{\"error\": \"", 11);
         assert_memory_equal(said + 11, wrong[i][1], strlen(wrong[i][1]));
-        assert_memory_equal(web_rows(CONUS_FORMAT_CSV), "{\"error\"", 8); /* nor the answer before */
+        assert_memory_equal(web_rows(CSV), "{\"error\"", 8); /* nor the answer before */
     }
     asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "[1]", 38); /* the atlas is still open */
 }
@@ -118,7 +120,7 @@ static void test_a_refused_question_takes_the_answer_away(void **state)
     asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
     is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + at, LOOK_RANK_1);
     assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=90&resolution=16"), "{\"error\": \"toward"));
-    assert_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab"));
+    assert_null(strstr(web_rows(CSV), "Slab"));
     is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + at, LOOK_NOT_HIT);
 }
 

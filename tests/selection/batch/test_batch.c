@@ -70,7 +70,7 @@ static void make_reference(struct fixture *fixture)
     const char *text = NULL;
     size_t size = 0;
     assert_ok(conus_pose_list_load(&list, fixture->path, NULL));
-    assert_ok(conus_report_create(&report, fixture->selector, &(conus_report_options){.format = CONUS_FORMAT_NDJSON}));
+    assert_ok(conus_report_create(&report, fixture->selector, &(conus_report_options){.format = "ndjson"}));
     for (size_t i = 0; i < conus_pose_list_count(list); i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
         conus_selection *selection = NULL;
@@ -113,7 +113,7 @@ static int tear_down(void **state)
 static conus_batch *batch_of(struct fixture *fixture, uint32_t threads, uint32_t block)
 {
     conus_batch *batch = NULL;
-    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = CONUS_FORMAT_NDJSON}};
+    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = "ndjson"}};
     assert_ok(conus_batch_create(&batch, fixture->selector, &options));
     assert_int_equal(conus_batch_threads(batch), threads);
     return batch;
@@ -195,11 +195,11 @@ static void what_is_no_batch_is_refused(void **state)
     struct fixture *fixture = *state;
     conus_batch *batch = NULL;
     static const conus_batch_options wrong[] = {
-        {.report = {.format = CONUS_FORMAT_TABLE}},
-        {.report = {.format = CONUS_FORMAT_JSON}},
-        {.report = {.rows = CONUS_ROWS_SUMMARIES}},
-        {.threads = 1025, .report = {.format = CONUS_FORMAT_TSV}},
-        {.block = 65537, .report = {.format = CONUS_FORMAT_TSV}},
+        {.report = {.format = "table"}},
+        {.report = {.format = "json"}},
+        {.report = {.rows = "summaries"}},
+        {.threads = 1025, .report = {.format = "tsv"}},
+        {.block = 65537, .report = {.format = "tsv"}},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         assert_fails(conus_batch_create(&batch, fixture->selector, &wrong[i]), CONUS_ERROR_ARGUMENT);
@@ -220,7 +220,7 @@ static void the_header_is_the_report_s(void **state)
     assert_ok(conus_batch_sidecar(&text, &size, batch));
     assert_non_null(strstr(text, "\"offset_deg\""));
     conus_batch_destroy(batch);
-    const conus_batch_options options = {.report = {.format = CONUS_FORMAT_TSV}};
+    const conus_batch_options options = {.report = {.format = "tsv"}};
     assert_ok(conus_batch_create(&batch, fixture->selector, &options));
     assert_true(conus_batch_threads(batch) >= 1);
     assert_memory_equal(conus_batch_header(batch), "query\tkind\tindex\t", 17);
@@ -234,7 +234,7 @@ static void summaries_are_the_best_of_each(void **state)
     struct buffer first = {0};
     for (uint32_t threads = 1; threads <= 3; threads++) {
         const conus_batch_options options = {
-            .threads = threads, .block = 9, .report = {.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_TSV}};
+            .threads = threads, .block = 9, .report = {.rows = "summaries", .format = "tsv"}};
         struct received received = {0};
         conus_batch *batch = NULL;
         conus_pose_stream *poses = poses_of(fixture);
@@ -290,7 +290,7 @@ static conus_status make_joined(conus_batch **out, const struct fixture *fixture
                                 uint32_t threads, uint32_t block)
 {
     const conus_batch_options options = {
-        .threads = threads, .block = block, .report = {.format = CONUS_FORMAT_NDJSON, .atlas = names[0]}};
+        .threads = threads, .block = block, .report = {.format = "ndjson", .atlas = names[0]}};
     conus_status status = conus_batch_create(out, fixture->selector, &options);
     for (size_t i = 1; i < ATLASES && !status; i++) {
         status = conus_batch_add(*out, others->selectors[i - 1], names[i]);
@@ -315,7 +315,7 @@ static bool keep_end(void *user, const conus_batch_block *block)
 
 static void answer_each_pose(struct rows_of_poses *out, conus_selector *selector, const struct fixture *fixture)
 {
-    const conus_batch_options options = {.threads = 1, .block = 1, .report = {.format = CONUS_FORMAT_NDJSON}};
+    const conus_batch_options options = {.threads = 1, .block = 1, .report = {.format = "ndjson"}};
     conus_batch *batch = NULL;
     conus_pose_stream *poses = poses_of(fixture);
     assert_ok(conus_batch_create(&batch, selector, &options));
@@ -444,7 +444,7 @@ static conus_status run_once(void *data)
     conus_pose_stream *poses = NULL;
     const char *text = NULL;
     size_t size = 0;
-    const conus_batch_options options = {.threads = 1, .block = 16, .report = {.format = CONUS_FORMAT_TSV}};
+    const conus_batch_options options = {.threads = 1, .block = 16, .report = {.format = "tsv"}};
     conus_status status = conus_batch_create(&batch, fixture->selector, &options);
     status = status ? status : conus_pose_stream_open(&poses, fixture->path, NULL);
     status = status ? status : conus_batch_run(batch, poses, 20, receive, &received);
@@ -491,8 +491,7 @@ static void as_many_columns_are_kept_as_the_report_has(void **state)
     for (size_t kept = 0; kept <= 3; kept++) {
         for (size_t marked = 0; marked <= 3; marked++) {
             const conus_row_marks marks = {.names = columns, .count = marked};
-            const conus_batch_options options = {.threads = 1,
-                                                 .report = {.format = CONUS_FORMAT_NDJSON, .marks = &marks}};
+            const conus_batch_options options = {.threads = 1, .report = {.format = "ndjson", .marks = &marks}};
             struct received received = {0};
             conus_batch *batch = NULL;
             conus_pose_stream *poses = NULL;

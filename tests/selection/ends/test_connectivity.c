@@ -334,7 +334,7 @@ static void test_a_level_joins_areas(void **state)
 }
 
 /* The text of a report on all streamlines, and on those of a ball around (12, 5, 0), which are none. */
-static char *report_of(const conus_atlas *atlas, conus_format format)
+static char *report_of(const conus_atlas *atlas, const char *format)
 {
     conus_selector *selector = NULL;
     conus_selection *nothing = NULL;
@@ -342,7 +342,7 @@ static char *report_of(const conus_atlas *atlas, conus_format format)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = format};
+    const conus_report_options options = {.rows = "connections", .format = format};
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_select_ball(&nothing, selector, (const double[]){12, 5, 0}, 1));
     assert_ok(conus_connectivity(&tables[0], selector, NULL, 0, true));
@@ -367,7 +367,7 @@ static void test_a_report_has_a_row_for_each_connection(void **state)
 {
     (void)state;
     conus_atlas *atlas = with_lines();
-    char *text = report_of(atlas, CONUS_FORMAT_TSV);
+    char *text = report_of(atlas, "tsv");
     assert_string_equal(text, "query\tkind\tbundle\tend_a\tend_b\tstreamlines\tfraction\tmean_length_mm\tbundle_index\t"
                               "end_a_index\tend_b_index\n"
                               "all\tbundle\tlines\t1\t2\t3\t0.375\t14\t1\t1\t2\n"
@@ -376,11 +376,11 @@ static void test_a_report_has_a_row_for_each_connection(void **state)
                               "all\tbundle\tlines\t1\t1\t1\t0.125\t0\t1\t1\t1\n"
                               "bad\terror\tline 7: no pose\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\n");
     memory_free(text);
-    text = report_of(atlas, CONUS_FORMAT_JSON);
+    text = report_of(atlas, "json");
     assert_non_null(strstr(text, "\"endpoint_radius_mm\": 2.0"));
     assert_non_null(strstr(text, "\"radius_mm\": 1.0")); /* of the ball */
     memory_free(text);
-    text = report_of(atlas, CONUS_FORMAT_TABLE);
+    text = report_of(atlas, "table");
     assert_non_null(strstr(text, "all streamlines\nends in an area, or in the nearest one within 2 mm\n"));
     assert_non_null(strstr(text, "lines   (in no area)  (in no area)            2      25.00          0.0\n"));
     assert_non_null(strstr(text, "(12.00, 5.00, 0.00), RAS mm\nends in an area, or in the nearest one within 2 mm\n"
@@ -495,7 +495,7 @@ static void test_only_streamlines_in_the_region(void **state)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_TSV};
+    const conus_report_options options = {.rows = "connections", .format = "tsv"};
     assert_ok(conus_report_create(&report, selector, &options));
     assert_fails(conus_report_matrix(&text, &size, report, table), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
@@ -569,22 +569,23 @@ static void test_the_matrix_as_text(void **state)
     (void)state;
     conus_atlas *atlas = with_groups();
     conus_table *table = connect(atlas, -1, NULL);
-    for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON; format++) {
+    FOR_WORDS(format, "table", "tsv", "csv", "json", "ndjson")
+    {
         conus_selector *selector = NULL;
         conus_report *report = NULL;
         const char *text = NULL;
         size_t size = 0;
-        const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = format};
+        const conus_report_options options = {.rows = "connections", .format = format};
         assert_ok(conus_selector_create(&selector, atlas, NULL));
         assert_ok(conus_report_create(&report, selector, &options));
-        if (format == CONUS_FORMAT_TABLE || format == CONUS_FORMAT_NDJSON) {
+        if (strcmp(format, "table") == 0 || strcmp(format, "ndjson") == 0) {
             assert_fails(conus_report_matrix(&text, &size, report, table), CONUS_ERROR_ARGUMENT);
             assert_null(text);
         } else {
             assert_ok(conus_report_matrix(&text, &size, report, table));
             assert_int_equal(strlen(text), size);
         }
-        if (format == CONUS_FORMAT_TSV) {
+        if (strcmp(format, "tsv") == 0) {
             assert_string_equal(text, "area\t1\t2\t3\tunassigned\n1\t1\t3\t0\t0\n2\t3\t0\t1\t0\n3\t0\t1\t0\t1\n"
                                       "unassigned\t0\t0\t1\t2\n");
         }
@@ -614,7 +615,7 @@ static void test_a_matrix_of_too_many_areas_is_refused(void **state)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_TSV};
+    const conus_report_options options = {.rows = "connections", .format = "tsv"};
     assert_true(conus_table_rows(table) > 0);
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     assert_ok(conus_report_create(&report, selector, &options));
@@ -630,7 +631,7 @@ static void test_a_matrix_of_too_many_areas_is_refused(void **state)
 
 static conus_status connect_once(void *user)
 {
-    const conus_report_options options = {.rows = CONUS_ROWS_CONNECTIONS, .format = CONUS_FORMAT_JSON};
+    const conus_report_options options = {.rows = "connections", .format = "json"};
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;

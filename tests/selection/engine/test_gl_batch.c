@@ -78,7 +78,7 @@ static conus_status run_batch(struct rows *out, conus_selector *selector, const 
 {
     conus_batch *batch = NULL;
     conus_pose_stream *poses = NULL;
-    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = CONUS_FORMAT_NDJSON}};
+    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = "ndjson"}};
     buffer_clear(&out->text);
     out->errors = 0;
     conus_status status = conus_batch_create(&batch, selector, &options);

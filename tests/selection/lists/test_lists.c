@@ -157,9 +157,27 @@ static void choices_are_what_options_take(void **state)
     assert_true(conus_table_rows(table) > 5);
     conus_table_destroy(table);
     assert_ok(conus_list_choices(&table, "pose formats"));
-    assert_string_equal(conus_table_texts(table, "name")[CONUS_POSE_FORMAT_AUTO], "auto");
-    assert_string_equal(conus_table_texts(table, "name")[CONUS_POSE_FORMAT_MARKUPS], "markups");
+    assert_string_equal(conus_table_texts(table, "name")[0], "auto");
+    for (size_t i = 0; i < conus_table_rows(table); i++) {
+        conus_pose_list *list = NULL;
+        const conus_pose_options options = {.format = conus_table_texts(table, "name")[i]};
+        assert_fails(conus_pose_list_load(&list, "no such file", &options), CONUS_ERROR_IO);
+    }
     conus_table_destroy(table);
+    FOR_WORDS(what, "formats", "rows")
+    {
+        assert_ok(conus_list_choices(&table, what));
+        for (size_t i = 0; i < conus_table_rows(table); i++) {
+            const char *name = conus_table_texts(table, "name")[i];
+            const bool is_format = what[0] == 'f';
+            const bool is_afar = is_format && (!strcmp(name, "bids") || !strcmp(name, "bep032")); /* they need more */
+            conus_report_options options = {.rows = is_format ? NULL : name, .format = is_format ? name : "tsv"};
+            conus_report *report = NULL;
+            assert_fails(conus_report_create(&report, NULL, &options), is_afar ? CONUS_ERROR_ARGUMENT : CONUS_OK);
+            conus_report_destroy(report);
+        }
+        conus_table_destroy(table);
+    }
     assert_ok(conus_list_choices(&table, "errors"));
     assert_true(conus_table_rows(table) > 15);
     for (size_t i = 0; i < conus_table_rows(table); i++) {

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char *report_of(const conus_atlas *atlas, conus_format format, double ball)
+static char *report_of(const conus_atlas *atlas, const char *format, double ball)
 {
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
@@ -52,7 +52,7 @@ static void tables_have_columns_for_bundles(void **state)
 {
     (void)state;
     conus_atlas *atlas = tract_lines_atlas();
-    char *text = report_of(atlas, CONUS_FORMAT_TSV, 0);
+    char *text = report_of(atlas, "tsv", 0);
     assert_has(text, "\tunoccluded\tstreamlines\tstreamlines_total\tlength_mm\tnear_x\tnear_y\tnear_z\talong"
                      "\tcontact_value\n");
     assert_has(text, "q1\tbundle\t1\tnear\tn/a\t1\t");
@@ -67,7 +67,7 @@ static void json_has_them(void **state)
 {
     (void)state;
     conus_atlas *atlas = tract_lines_atlas();
-    char *text = report_of(atlas, CONUS_FORMAT_NDJSON, 0);
+    char *text = report_of(atlas, "ndjson", 0);
     assert_has(text,
                "\"streamlines\":2,\"streamlines_total\":3,\"length_mm\":18,\"near_x\":0,\"near_y\":0,\"near_z\":30,"
                "\"along\":0.5,");
@@ -81,12 +81,12 @@ static void people_read_them(void **state)
 {
     (void)state;
     conus_atlas *atlas = tract_lines_atlas();
-    char *text = report_of(atlas, CONUS_FORMAT_TABLE, 0);
+    char *text = report_of(atlas, "table", 0);
     assert_has(text, "  of whole      streamlines     length\n");
     assert_has(text, "      area      in the cone         mm\n");
     assert_has(text, "           2 of 3       18.0\n");
     free(text);
-    text = report_of(atlas, CONUS_FORMAT_TABLE, 5); /* 2 * 3 and 2 sqrt(25 - 1) mm, the nearest 1 mm away */
+    text = report_of(atlas, "table", 5); /* 2 * 3 and 2 sqrt(25 - 1) mm, the nearest 1 mm away */
     assert_has(text, "      in the ball         mm\n");
     assert_has(text, "           2 of 3       15.8\n");
     free(text);
@@ -100,16 +100,16 @@ static void without_bundles_nothing_changes(void **state)
     conus_atlas *atlas = tract_lines_atlas();
     const bool hidden[3] = {false, true, false};
     assert_ok(conus_atlas_set_hidden(atlas, hidden));
-    char *text = report_of(atlas, CONUS_FORMAT_TSV, 0);
+    char *text = report_of(atlas, "tsv", 0);
     assert_has(text, "\tstreamlines\t"); /* for the bundle that is left */
     free(text);
     conus_atlas_destroy(atlas);
     atlas = NULL;
     assert_ok(atlas_create_empty(&atlas, "none"));
-    text = report_of(atlas, CONUS_FORMAT_TSV, 0);
+    text = report_of(atlas, "tsv", 0);
     assert_has(text, "\tunoccluded\tcontact_value\n");
     free(text);
-    text = report_of(atlas, CONUS_FORMAT_TABLE, 0);
+    text = report_of(atlas, "table", 0);
     assert_has(text, "     value\n");
     free(text);
     conus_atlas_destroy(atlas);
@@ -149,7 +149,7 @@ static conus_status add_tube(conus_report **report, const conus_atlas *atlas, co
     conus_selection *selection = NULL;
     conus_pose pose;
     const conus_selector_options options = {.layers = layers, .radius = 5.5};
-    const conus_report_options as = {.format = CONUS_FORMAT_TSV, .atlas = name};
+    const conus_report_options as = {.format = "tsv", .atlas = name};
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 0}, (double[]){0, 0, 1}, NULL));
     conus_status status = conus_selector_create(&selector, atlas, &options);
     status = status ? status : conus_select(&selection, selector, &pose, 0);

@@ -74,7 +74,7 @@ static void rows_are_ordered_by_clearance(void **state)
              "a\tarea\t%u\t%s\t5\t3\t20\t-20\t0\t0\t-23\t0\t4\n",
              objects[3].label, objects[3].name, objects[2].label, objects[2].name, objects[1].label, objects[1].name);
     const conus_report_options options = {
-        .rows = CONUS_ROWS_CLEARANCES, .format = CONUS_FORMAT_TSV, .space = CONUS_SPACE_LPS, .within = 10};
+        .rows = "clearances", .format = "tsv", .space = CONUS_SPACE_LPS, .within = 10};
     assert_string_equal(text_of(&report, &made, &options), wanted);
     conus_report_destroy(report);
     destroy(&made);
@@ -85,7 +85,7 @@ static void people_are_told_what_touches(void **state)
     (void)state;
     struct made made = make(10, CONUS_SPACE_RAS);
     conus_report *report = NULL;
-    const conus_report_options options = {.rows = CONUS_ROWS_CLEARANCES, .within = 10};
+    const conus_report_options options = {.rows = "clearances", .within = 10};
     const char *text = text_of(&report, &made, &options);
     static const char *const parts[] = {
         "needle of radius 2 mm from (0.00, 0.00, 0.00) along (1.0000, 0.0000, 0.0000), 0 to 20 mm deep, RAS mm\n",
@@ -117,7 +117,7 @@ static void people_are_told_what_is_not_there(void **state)
     assert_ok(conus_pose_along(&pose, (const double[]){0, 0, 100}, (const double[]){0, 0, 1}, NULL));
     assert_ok(conus_selector_create(&plain, made.atlas, NULL));
     assert_ok(conus_clearance(&none, plain, &pose, 2)); /* the boxes are 95 mm below, and farther */
-    assert_ok(conus_report_create(&report, plain, &(conus_report_options){.rows = CONUS_ROWS_CLEARANCES, .within = 2}));
+    assert_ok(conus_report_create(&report, plain, &(conus_report_options){.rows = "clearances", .within = 2}));
     assert_ok(conus_report_add_table(report, "a", none));
     assert_ok(conus_report_add_error(report, "b", 3, "is no pose"));
     assert_ok(conus_report_text(&text, &size, report));
@@ -138,8 +138,7 @@ static void all_that_there_is_may_be_asked_for(void **state)
     (void)state;
     struct made made = make(INFINITY, CONUS_SPACE_RAS);
     conus_report *report = NULL;
-    const conus_report_options options = {
-        .rows = CONUS_ROWS_CLEARANCES, .format = CONUS_FORMAT_JSON, .within = INFINITY};
+    const conus_report_options options = {.rows = "clearances", .format = "json", .within = INFINITY};
     const char *text = text_of(&report, &made, &options);
     assert_non_null(strstr(text, "\"within_mm\": null"));
     assert_non_null(strstr(text, "\"radius_mm\": 2"));
@@ -155,13 +154,12 @@ static void what_does_not_go_together_is_refused(void **state)
     struct made made = make(10, CONUS_SPACE_RAS);
     conus_report *report = NULL;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        const conus_report_options options = {.rows = CONUS_ROWS_CLEARANCES, .within = wrong[i]};
+        const conus_report_options options = {.rows = "clearances", .within = wrong[i]};
         assert_fails(conus_report_create(&report, made.selector, &options), CONUS_ERROR_ARGUMENT);
         assert_null(report);
     }
-    static const conus_report_options others[] = {{.rows = CONUS_ROWS_SEGMENTS, .within = 10},
-                                                  {.rows = CONUS_ROWS_CLEARANCES, .within = 9},
-                                                  {.rows = CONUS_ROWS_CLEARANCES, .within = 11}};
+    static const conus_report_options others[] = {
+        {.rows = "segments", .within = 10}, {.rows = "clearances", .within = 9}, {.rows = "clearances", .within = 11}};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         assert_ok(conus_report_create(&report, made.selector, &others[i]));
         assert_fails(conus_report_add_table(report, "a", made.clearances), CONUS_ERROR_ARGUMENT);
@@ -176,8 +174,8 @@ static conus_status report_on(void *data)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    conus_status status = conus_report_create(&report, made->selector,
-                                              &(conus_report_options){.rows = CONUS_ROWS_CLEARANCES, .within = 10});
+    conus_status status =
+        conus_report_create(&report, made->selector, &(conus_report_options){.rows = "clearances", .within = 10});
     status = status ? status : conus_report_add_table(report, "a", made->clearances);
     status = status ? status : conus_report_text(&text, &size, report);
     status = status ? status : conus_report_sidecar(&text, &size, report);

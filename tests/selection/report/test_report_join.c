@@ -36,33 +36,33 @@ static void destroy_scenes(struct scenes *scenes)
 }
 
 /* Adds query `index`; the second one has no answer. */
-static conus_status add_query(conus_report *report, const struct report_scene *scene, conus_rows rows, int index)
+static conus_status add_query(conus_report *report, const struct report_scene *scene, const char *rows, int index)
 {
     char id[16];
     snprintf(id, sizeof id, "q%d", index);
-    return index == 1                      ? conus_report_add_error(report, id, 7, "is no pose")
-           : rows == CONUS_ROWS_ADMISSIONS ? conus_report_add_table(report, id, scene->sweep)
-           : rows == CONUS_ROWS_CHANCES    ? conus_report_add_table(report, id, scene->jitter)
-                                           : conus_report_add(report, id, scene->cone);
+    return index == 1                        ? conus_report_add_error(report, id, 7, "is no pose")
+           : strcmp(rows, "admissions") == 0 ? conus_report_add_table(report, id, scene->sweep)
+           : strcmp(rows, "chances") == 0    ? conus_report_add_table(report, id, scene->jitter)
+                                             : conus_report_add(report, id, scene->cone);
 }
 
 /* Appends `rows`, lines of one of the formats, with a cell behind the first one of each. */
-static void put_with_cell(struct buffer *out, conus_format format, const char *rows, const char *cell)
+static void put_with_cell(struct buffer *out, const char *format, const char *rows, const char *cell)
 {
-    const char separator = format == CONUS_FORMAT_TSV ? '\t' : ',';
+    const char separator = strcmp(format, "tsv") == 0 ? '\t' : ',';
     while (*rows) {
         const char *end = strchr(rows, '\n') + 1;
         const char *behind = strchr(rows, separator);
         buffer_append(out, rows, (size_t)(behind - rows));
-        buffer_format(out, format == CONUS_FORMAT_NDJSON ? "%c\"atlas\":%s" : "%c%s", separator, cell);
+        buffer_format(out, strcmp(format, "ndjson") == 0 ? "%c\"atlas\":%s" : "%c%s", separator, cell);
         buffer_append(out, behind, (size_t)(end - behind));
         rows = end;
     }
 }
 
-static const char *cell_of(conus_format format, size_t atlas)
+static const char *cell_of(const char *format, size_t atlas)
 {
-    return format == CONUS_FORMAT_CSV ? in_csv[atlas] : format == CONUS_FORMAT_NDJSON ? in_json[atlas] : names[atlas];
+    return strcmp(format, "csv") == 0 ? in_csv[atlas] : strcmp(format, "ndjson") == 0 ? in_json[atlas] : names[atlas];
 }
 
 /* The wanted text: the rows of reports on each atlas alone, query by query. */
@@ -139,10 +139,11 @@ static void check_rows(const struct scenes *scenes, const conus_report_options *
 
 static void rows_are_those_of_each_atlas_with_its_name(void **state)
 {
-    static const conus_format formats[] = {CONUS_FORMAT_TSV, CONUS_FORMAT_CSV, CONUS_FORMAT_NDJSON};
+    static const char *const formats[] = {"tsv", "csv", "ndjson"};
     struct scenes scenes = create_scenes();
     (void)state;
-    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows <= CONUS_ROWS_SUMMARIES; rows++) {
+    FOR_WORDS(rows, "answers", "shares", "admissions", "chances", "summaries")
+    {
         for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
             check_rows(&scenes, &(conus_report_options){.rows = rows, .format = formats[i]});
         }
@@ -153,7 +154,7 @@ static void rows_are_those_of_each_atlas_with_its_name(void **state)
 /* Two angles of one pose have one id: the rows of an atlas come before those of the next. */
 static void shares_of_a_pose_stay_together(void **state)
 {
-    const conus_report_options options = {.rows = CONUS_ROWS_SHARES, .format = CONUS_FORMAT_NDJSON};
+    const conus_report_options options = {.rows = "shares", .format = "ndjson"};
     struct scenes scenes = create_scenes();
     struct buffer wanted = {0};
     conus_report *reports[ATLASES];
@@ -189,7 +190,7 @@ static void put_voxels(struct buffer *out, const struct report_scene *scene, con
     assert_ok(conus_report_create(&report, scene->selector, &options));
     assert_ok(conus_report_add(report, "q", scene->cone));
     assert_ok(conus_report_voxels(&text, &size, report));
-    put_with_cell(out, CONUS_FORMAT_TSV, strchr(text, '\n') + 1, name);
+    put_with_cell(out, "tsv", strchr(text, '\n') + 1, name);
     conus_report_destroy(report);
 }
 
@@ -255,8 +256,8 @@ static void what_does_not_belong_together_is_not_joined(void **state)
 {
     static const conus_report_options other[] = {{.atlas = "first"},
                                                  {0},
-                                                 {.atlas = "second", .format = CONUS_FORMAT_CSV},
-                                                 {.atlas = "second", .rows = CONUS_ROWS_CHANCES},
+                                                 {.atlas = "second", .format = "csv"},
+                                                 {.atlas = "second", .rows = "chances"},
                                                  {.atlas = "second", .space = CONUS_SPACE_LPS}};
     struct scenes scenes = create_scenes();
     conus_report *reports[2];
@@ -298,7 +299,8 @@ static void some_reports_have_no_such_column(void **state)
     struct report_scene scene = report_scene_create();
     conus_report *report = NULL;
     (void)state;
-    for (conus_format format = CONUS_FORMAT_AFNI; format <= CONUS_FORMAT_OPEN_EPHYS; format++) {
+    FOR_WORDS(format, "afni", "bids", "spikeglx", "open-ephys")
+    {
         const conus_report_options options = {.format = format, .atlas = "aal", .electrodes = "name\tx\ty\tz\n"};
         assert_fails(conus_report_create(&report, scene.selector, &options), CONUS_ERROR_ARGUMENT);
     }
@@ -325,7 +327,7 @@ static conus_status report_all(void *data)
         }
     }
     status = status ? status : conus_report_text(&text, &size, reports[0]);
-    if (!status && attempt->options.format == CONUS_FORMAT_TABLE) {
+    if (!status && strcmp(attempt->options.format, "table") == 0) {
         assert_non_null(strstr(text, "\natlas aal-2\n"));
     }
     status = status ? status : conus_report_sidecar(&text, &size, reports[0]);
@@ -338,11 +340,12 @@ static void every_failing_allocation_is_survived(void **state)
 {
     struct scenes scenes = create_scenes();
     (void)state;
-    for (conus_rows rows = CONUS_ROWS_ANSWERS; rows < CONUS_ROWS_SUMMARIES; rows++) {
-        struct attempt attempt = {&scenes, {.rows = rows}};
+    FOR_WORDS(rows, "answers", "shares", "admissions", "chances")
+    {
+        struct attempt attempt = {&scenes, {.rows = rows, .format = "table"}};
         test_every_allocation(report_all, &attempt);
     }
-    struct attempt attempt = {&scenes, {.format = CONUS_FORMAT_JSON}};
+    struct attempt attempt = {&scenes, {.rows = "answers", .format = "json"}};
     test_every_allocation(report_all, &attempt);
     destroy_scenes(&scenes);
 }

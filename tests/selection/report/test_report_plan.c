@@ -55,27 +55,27 @@ static void destroy(struct made *made)
 }
 
 /* Writes all text of a report, which is the caller's. */
-static conus_status write_report(conus_report **out, const char **text, const struct made *made, conus_rows rows,
-                                 conus_format format)
+static conus_status write_report(conus_report **out, const char **text, const struct made *made, const char *rows,
+                                 const char *format)
 {
     size_t size = 0;
     conus_status status =
         conus_report_create(out, made->selector, &(conus_report_options){.rows = rows, .format = format});
-    status = status                         ? status
-             : rows == CONUS_ROWS_PROFILE   ? conus_report_add_profile(*out, made->plan, 10)
-             : rows == CONUS_ROWS_TOLERANCE ? conus_report_add_tolerance(*out, made->plan, NULL)
-                                            : conus_report_add_plan(*out, made->plan);
+    status = status                           ? status
+             : strcmp(rows, "profile") == 0   ? conus_report_add_profile(*out, made->plan, 10)
+             : strcmp(rows, "tolerance") == 0 ? conus_report_add_tolerance(*out, made->plan, NULL)
+                                              : conus_report_add_plan(*out, made->plan);
     return status ? status : conus_report_text(text, &size, *out);
 }
 
 /* Asserts that the report has these lines from line `first` on, with spaces for tabs, and without the leeways of
  * constraints, which are lower bounds. */
-static void has_lines(const struct made *made, conus_rows rows, size_t first, const char *wanted)
+static void has_lines(const struct made *made, const char *rows, size_t first, const char *wanted)
 {
     conus_report *report = NULL;
     const char *text = NULL;
     char lines[4096];
-    assert_ok(write_report(&report, &text, made, rows, CONUS_FORMAT_TSV));
+    assert_ok(write_report(&report, &text, made, rows, "tsv"));
     for (; first > 0; first--) {
         text = strchr(text, '\n') + 1;
     }
@@ -83,7 +83,7 @@ static void has_lines(const struct made *made, conus_rows rows, size_t first, co
     size_t cell = 0;
     for (; *text && used + 1 < sizeof lines; text++) {
         cell = *text == '\n' ? 0 : cell + (*text == '\t');
-        if (*text == '\n' || rows != CONUS_ROWS_CONSTRAINTS || cell < 9) {
+        if (*text == '\n' || strcmp(rows, "constraints") != 0 || cell < 9) {
             lines[used++] = *text == '\t' ? ' ' : *text;
         }
     }
@@ -98,21 +98,21 @@ static void rows_follow_from_the_boxes(void **state)
 {
     (void)state;
     struct made made = make();
-    has_lines(&made, CONUS_ROWS_CONSTRAINTS, 1,
+    has_lines(&made, "constraints", 1,
               "a 1 reach 1 area 6 4 2 1\na 2 avoid 1 area 14 3 10.5 1\n"
               "a 3 lean 1 n/a 90 114.591559 24.591559 1\n"
               "b 1 reach 1 area 3 4 -1 0\nb 2 avoid 1 area 17 3 13.5 1\n"
               "b 3 lean 1 n/a 90 114.591559 24.591559 1\n"
               "c 1 reach 1 area 17 4 13 1\nc 2 avoid 1 area 3 3 -0.5 0\n"
               "c 3 lean 1 n/a 90 114.591559 24.591559 1\n");
-    has_lines(&made, CONUS_ROWS_PROFILE, 1,
+    has_lines(&made, "profile", 1,
               "a 1 0 0 0 0 avoid 1 area 30 29.5\na 2 10 10 0 0 avoid 1 area 20 19.5\n"
               "a 3 16 16 0 0 avoid 1 area 14 13.5\n"
               "b 1 0 0 0 0 avoid 1 area 30 29.5\nb 2 10 10 0 0 avoid 1 area 20 19.5\n"
               "b 3 13 13 0 0 avoid 1 area 17 16.5\n"
               "c 1 0 0 0 0 avoid 1 area 30 29.5\nc 2 10 10 0 0 avoid 1 area 20 19.5\n"
               "c 3 20 20 0 0 avoid 1 area 10 9.5\nc 4 27 27 0 0 avoid 1 area 3 2.5\n");
-    has_lines(&made, CONUS_ROWS_PLAN, 2,
+    has_lines(&made, "plan", 2,
               "b n/a 0 area n/a n/a 0 0 0 1 0 0 13 0 0 13 n/a 0 area 13.5 16.5 area 13 n/a 0 3 0 17 13 1 90 1\n"
               "c n/a 0 area n/a n/a 0 0 0 1 0 0 27 0 0 27 n/a 0 area -0.5 2.5 area 27 n/a 0 17 1 3 27 0 90 1\n");
     destroy(&made);
@@ -124,7 +124,7 @@ static void constraints_are_worded(void **state)
     struct made made = make();
     conus_report *report = NULL;
     const char *text = NULL;
-    assert_ok(write_report(&report, &text, &made, CONUS_ROWS_PLAN, CONUS_FORMAT_TABLE));
+    assert_ok(write_report(&report, &text, &made, "plan", "table"));
     conus_table *constraints = NULL;
     assert_ok(conus_plan_list(&constraints, made.plan, "constraints"));
     const char *const *asked = conus_table_texts(constraints, "asked");
@@ -153,7 +153,7 @@ static void constraints_are_worded(void **state)
     conus_report_destroy(report);
     const double steps[] = {0, -1, 1e-9, (double)NAN};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        assert_ok(conus_report_create(&report, made.selector, &(conus_report_options){.rows = CONUS_ROWS_PROFILE}));
+        assert_ok(conus_report_create(&report, made.selector, &(conus_report_options){.rows = "profile"}));
         assert_fails(conus_report_add_profile(report, made.plan, steps[i]), CONUS_ERROR_ARGUMENT);
         conus_report_destroy(report);
     }
@@ -171,13 +171,12 @@ static void every_sidecar_tells_of_the_plan(void **state)
 {
     (void)state;
     struct made made = make();
-    static const conus_rows rows[] = {CONUS_ROWS_PLAN, CONUS_ROWS_CONSTRAINTS, CONUS_ROWS_PROFILE,
-                                      CONUS_ROWS_TOLERANCE};
+    static const char *const rows[] = {"plan", "constraints", "profile", "tolerance"};
     for (size_t i = 0; i < 4; i++) {
         conus_report *report = NULL;
         const char *text = NULL;
         size_t size = 0;
-        assert_ok(write_report(&report, &text, &made, rows[i], CONUS_FORMAT_TSV));
+        assert_ok(write_report(&report, &text, &made, rows[i], "tsv"));
         assert_ok(conus_report_sidecar(&text, &size, report));
         json_t *root = json_loadb(text, size, 0, NULL);
         const json_t *plan = json_object_get(root, "Plan");
@@ -197,12 +196,14 @@ static conus_status report_all(void *user)
 {
     const struct made *made = user;
     conus_status status = CONUS_OK;
-    for (conus_rows rows = CONUS_ROWS_PLAN; rows <= CONUS_ROWS_PROFILE && !status; rows++) {
-        for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON && !status; format++) {
+    FOR_WORDS(rows, "plan", "constraints", "profile")
+    {
+        FOR_WORDS(format, "table", "tsv", "csv", "json", "ndjson")
+        {
             conus_report *report = NULL;
             const char *text = NULL;
             size_t size = 0;
-            status = write_report(&report, &text, made, rows, format);
+            status = status ? status : write_report(&report, &text, made, rows, format);
             status = status ? status : conus_report_sidecar(&text, &size, report);
             conus_report_destroy(report);
         }

@@ -71,7 +71,7 @@ static void finish(struct asked *asked)
     conus_atlas_destroy(asked->atlas);
 }
 
-static conus_report *report_of(const struct asked *asked, conus_format format, int count)
+static conus_report *report_of(const struct asked *asked, const char *format, int count)
 {
     conus_report *report = NULL;
     const conus_report_options options = {.format = format, .probe = asked->probe};
@@ -82,7 +82,7 @@ static conus_report *report_of(const struct asked *asked, conus_format format, i
     return report;
 }
 
-static void assert_text(const struct asked *asked, conus_format format, const char *wanted)
+static void assert_text(const struct asked *asked, const char *format, const char *wanted)
 {
     const char *found = NULL;
     size_t size = 0;
@@ -120,7 +120,7 @@ static void electrodes_of_the_draft(void **state)
         "probe2:1\tprobe2\t4\t5\t6\tR\tn/a\tFour\tn/a\tconus "};
     const char *found = NULL;
     size_t size = 0;
-    conus_report *report = report_of(&asked, CONUS_FORMAT_BEP032, 6);
+    conus_report *report = report_of(&asked, "bep032", 6);
     assert_ok(conus_report_text(&found, &size, report));
     for (size_t i = 0; i < 4; i++) {
         assert_non_null(strstr(found, rows[i]));
@@ -160,7 +160,7 @@ static void electrodes_in_a_space(void **state)
     struct asked asked = ask();
     for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
         conus_frame frame = spaces[i].frame;
-        conus_report_options options = {.format = CONUS_FORMAT_BEP032, .probe = asked.probe, .placed = true};
+        conus_report_options options = {.format = "bep032", .probe = asked.probe, .placed = true};
         conus_report *report = NULL;
         const char *found = NULL;
         char wanted[64];
@@ -185,12 +185,12 @@ static void electrodes_in_a_space(void **state)
         assert_string_equal(strstr(found, "\n \"MicroephysCoordinateUnits"), wanted);
         conus_report_destroy(report);
     }
-    conus_report *report = report_of(&asked, CONUS_FORMAT_BEP032, 6);
+    conus_report *report = report_of(&asked, "bep032", 6);
     const char *found = NULL;
     size_t size = 0;
     assert_fails(conus_report_coordsystem(&found, &size, report), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
-    const conus_report_options elsewhere = {.format = CONUS_FORMAT_TSV, .probe = asked.probe, .placed = true};
+    const conus_report_options elsewhere = {.format = "tsv", .probe = asked.probe, .placed = true};
     assert_fails(conus_report_create(&report, asked.selector, &elsewhere), CONUS_ERROR_ARGUMENT);
     finish(&asked);
 }
@@ -202,13 +202,13 @@ static void the_smallest_area_has_all_contacts(void **state)
     struct asked asked = ask();
     const char *found = NULL;
     size_t size = 0;
-    conus_report *report = report_of(&asked, CONUS_FORMAT_BEP032, 6);
+    conus_report *report = report_of(&asked, "bep032", 6);
     assert_ok(conus_report_probes(&found, &size, report));
     assert_string_equal(found, "probe_name\ttype\themisphere\tanatomical_location\tanatomical_location_id\n"
                                "probe1\tn/a\tn/a\tAll\tn/a\nprobe2\tn/a\tR\tFour\tn/a\n");
     assert_fails(conus_report_add(report, "more", asked.at[0]), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
-    report = report_of(&asked, CONUS_FORMAT_BEP032, 5);
+    report = report_of(&asked, "bep032", 5);
     assert_fails(conus_report_probes(&found, &size, report), CONUS_ERROR_ARGUMENT);
     assert_ok(conus_report_add_error(report, "probe2:1", 0, "nowhere"));
     assert_ok(conus_report_probes(&found, &size, report));
@@ -216,7 +216,7 @@ static void the_smallest_area_has_all_contacts(void **state)
     assert_ok(conus_report_text(&found, &size, report));
     assert_non_null(strstr(found, "\nprobe2:1\tn/a\tn/a"));
     conus_report_destroy(report);
-    report = report_of(&asked, CONUS_FORMAT_TSV, 6);
+    report = report_of(&asked, "tsv", 6);
     assert_fails(conus_report_probes(&found, &size, report), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(report);
     finish(&asked);
@@ -237,12 +237,12 @@ static void strings_follow_shanks_and_channels(void **state)
     }
     snprintf(wanted, sizeof wanted, "0-0,Two,%s;2-2,Two,%s;3-3,One_L,%s\n0-1,Four,%s\n", colours[2][0], colours[2][0],
              colours[1][0], colours[4][0]);
-    assert_text(&asked, CONUS_FORMAT_OPEN_EPHYS, wanted);
+    assert_text(&asked, "open-ephys", wanted);
     snprintf(wanted, sizeof wanted,
              "[0,0](2000,2500,%s,Two)(2500,3000,%s,Three)\n[0,1](1000,6000,%s,One_L)(6000,11000,%s,Two)\n"
              "[1,0](2,5,%s,Four)\n",
              colours[2][1], colours[3][1], colours[1][1], colours[2][1], colours[4][1]);
-    assert_text(&asked, CONUS_FORMAT_SPIKEGLX, wanted);
+    assert_text(&asked, "spikeglx", wanted);
     finish(&asked);
 }
 
@@ -272,7 +272,7 @@ static void the_allen_atlas_has_ids_and_sides(void **state)
     for (int i = 0; i < 6; i++) {
         assert_ok(conus_select_ball(&asked.at[i], asked.selector, at[i], 1e-3));
     }
-    conus_report *report = report_of(&asked, CONUS_FORMAT_BEP032, 6);
+    conus_report *report = report_of(&asked, "bep032", 6);
     assert_ok(conus_report_text(&found, &size, report));
     assert_non_null(strstr(found, "probe1:0\tprobe1\t0\t1000\tn/a\tL\t1\tPrimary visual area\tMBA:385\t"));
     assert_non_null(strstr(found, "probe1:1\tprobe1\t0\t11000\tn/a\tR\t1\tPrimary visual area\tMBA:385\t"));
@@ -288,13 +288,12 @@ static void columns_have_one_order(void **state)
 {
     (void)state;
     struct asked asked = ask();
-    const conus_rows rows[] = {CONUS_ROWS_ANSWERS, CONUS_ROWS_SUMMARIES};
+    const char *const rows[] = {"answers", "summaries"};
     for (size_t i = 0; i < 2; i++) {
         conus_report *report = NULL;
         const char *found = NULL;
         size_t size = 0;
-        const conus_report_options options = {
-            .rows = rows[i], .format = CONUS_FORMAT_TSV, .probe = asked.probe, .points = true};
+        const conus_report_options options = {.rows = rows[i], .format = "tsv", .probe = asked.probe, .points = true};
         assert_ok(conus_report_create(&report, asked.selector, &options));
         assert_ok(conus_report_text(&found, &size, report));
         assert_non_null(strstr(found, "\tprobe\tshank_id\tchannel\tx\ty\tz\n"));
@@ -309,11 +308,11 @@ static void only_answers_to_contacts_are_taken(void **state)
     struct asked asked = ask();
     conus_report *report = NULL;
     conus_batch *batch = NULL;
-    conus_report_options options = {.format = CONUS_FORMAT_BEP032};
+    conus_report_options options = {.format = "bep032"};
     assert_fails(conus_report_create(&report, asked.selector, &options), CONUS_ERROR_ARGUMENT);
-    options = (conus_report_options){.rows = CONUS_ROWS_SEGMENTS, .format = CONUS_FORMAT_TSV, .probe = asked.probe};
+    options = (conus_report_options){.rows = "segments", .format = "tsv", .probe = asked.probe};
     assert_fails(conus_report_create(&report, asked.selector, &options), CONUS_ERROR_ARGUMENT);
-    const conus_batch_options many = {.report = {.format = CONUS_FORMAT_TSV, .probe = asked.probe}};
+    const conus_batch_options many = {.report = {.format = "tsv", .probe = asked.probe}};
     assert_fails(conus_batch_create(&batch, asked.selector, &many), CONUS_ERROR_ARGUMENT);
     finish(&asked);
 }
@@ -329,7 +328,7 @@ static conus_status report_all(void *data)
         status = conus_report_add(report, conus_probe_at(asked->probe, i)->id, asked->at[i]);
     }
     status = status ? status : conus_report_text(&found, &size, report);
-    if (!status && asked->options.format == CONUS_FORMAT_BEP032) {
+    if (!status && strcmp(asked->options.format, "bep032") == 0) {
         status = conus_report_probes(&found, &size, report);
     }
     status = status ? status : conus_report_sidecar(&found, &size, report);
@@ -341,8 +340,7 @@ static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
     struct asked asked = ask();
-    static const conus_format formats[] = {CONUS_FORMAT_TSV, CONUS_FORMAT_SPIKEGLX, CONUS_FORMAT_OPEN_EPHYS,
-                                           CONUS_FORMAT_BEP032};
+    static const char *const formats[] = {"tsv", "spikeglx", "open-ephys", "bep032"};
     for (size_t i = 0; i < 4; i++) {
         asked.options = (conus_report_options){.format = formats[i], .probe = asked.probe};
         test_every_allocation(report_all, &asked);

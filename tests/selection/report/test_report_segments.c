@@ -69,7 +69,7 @@ static const char *text_of(conus_report *report)
 static void the_innermost_of_nested_areas_counts(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, 50);
+    struct made made = make(&(conus_report_options){.format = "spikeglx"}, 50);
     char wanted[512] = "[0,0]";
     static const int regions[][3] = {{4, 6, 12}, {1, 12, 20}, {2, 20, 25}, {3, 25, 30}, {1, 30, 40}};
     for (size_t i = 0; i < 5; i++) {
@@ -88,7 +88,7 @@ static void the_innermost_of_nested_areas_counts(void **state)
 static void channels_go_on_from_shank_to_shank(void **state)
 {
     (void)state;
-    const conus_report_options options = {.format = CONUS_FORMAT_OPEN_EPHYS,
+    const conus_report_options options = {.format = "open-ephys",
                                           .contacts = {.count = 6, .columns = 2, .pitch = 17, .tip = 5}};
     struct made made = make(&options, 50);
     char wanted[256];
@@ -116,9 +116,9 @@ static void check_refused(const conus_report_options *options, double far, const
 static void shanks_need_a_tip_and_channels(void **state)
 {
     (void)state;
-    conus_report_options options = {.format = CONUS_FORMAT_SPIKEGLX};
+    conus_report_options options = {.format = "spikeglx"};
     check_refused(&options, 0, "range: a shank has its tip at the far end");
-    options.format = CONUS_FORMAT_OPEN_EPHYS;
+    options.format = "open-ephys";
     check_refused(&options, 50, "contacts: Open Ephys counts those of a shank, and there are none");
     options.contacts = (conus_contacts){.count = 7, .columns = 2, .pitch = 15, .tip = 5.5};
     check_refused(&options, 50, "contacts: the last is 50.5 mm from the tip, but the range is only 50 mm long");
@@ -134,19 +134,19 @@ static void what_does_not_go_together_is_refused(void **state)
 {
     (void)state;
     static const conus_report_options wrong[] = {
-        {.rows = CONUS_ROWS_SEGMENTS, .format = CONUS_FORMAT_SPIKEGLX},
-        {.rows = CONUS_ROWS_SEGMENTS, .order = CONUS_ORDER_DEPTH},
-        {.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_TSV, .order = CONUS_ORDER_DEPTH},
-        {.format = CONUS_FORMAT_AFNI, .order = CONUS_ORDER_DEPTH},
-        {.format = CONUS_FORMAT_TSV, .contacts = {1, 1, 1, 1}},
-        {.format = CONUS_FORMAT_OPEN_EPHYS, .contacts = {65537, 1, 1, 1}},
-        {.format = CONUS_FORMAT_OPEN_EPHYS, .contacts = {1, 0, 1, 1}},
-        {.format = CONUS_FORMAT_OPEN_EPHYS, .contacts = {1, 1, 0, 1}},
-        {.format = CONUS_FORMAT_OPEN_EPHYS, .contacts = {1, 1, NAN, 1}},
-        {.format = CONUS_FORMAT_OPEN_EPHYS, .contacts = {1, 1, 1, -1}},
-        {.format = CONUS_FORMAT_OPEN_EPHYS, .contacts = {1, 1, 1, INFINITY}},
+        {.rows = "segments", .format = "spikeglx"},
+        {.rows = "segments", .order = CONUS_ORDER_DEPTH},
+        {.rows = "summaries", .format = "tsv", .order = CONUS_ORDER_DEPTH},
+        {.format = "afni", .order = CONUS_ORDER_DEPTH},
+        {.format = "tsv", .contacts = {1, 1, 1, 1}},
+        {.format = "open-ephys", .contacts = {65537, 1, 1, 1}},
+        {.format = "open-ephys", .contacts = {1, 0, 1, 1}},
+        {.format = "open-ephys", .contacts = {1, 1, 0, 1}},
+        {.format = "open-ephys", .contacts = {1, 1, NAN, 1}},
+        {.format = "open-ephys", .contacts = {1, 1, 1, -1}},
+        {.format = "open-ephys", .contacts = {1, 1, 1, INFINITY}},
     };
-    struct made made = make(&(conus_report_options){.rows = CONUS_ROWS_SEGMENTS}, 50);
+    struct made made = make(&(conus_report_options){.rows = "segments"}, 50);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         conus_report *report = NULL;
         assert_fails(conus_report_create(&report, made.selector, &wrong[i]), CONUS_ERROR_ARGUMENT);
@@ -158,7 +158,7 @@ static void what_does_not_go_together_is_refused(void **state)
     conus_report_destroy(answers);
     assert_ok(conus_report_create(
         &answers, made.selector,
-        &(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX, .space = CONUS_SPACE_LPS})); /* of RAS are the rows */
+        &(conus_report_options){.format = "spikeglx", .space = CONUS_SPACE_LPS})); /* of RAS are the rows */
     assert_fails(conus_report_add_table(answers, "a", made.segments), CONUS_ERROR_ARGUMENT);
     conus_report_destroy(answers);
     destroy(&made);
@@ -168,7 +168,7 @@ static void what_does_not_go_together_is_refused(void **state)
 static void people_get_a_table(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.rows = CONUS_ROWS_SEGMENTS, .space = CONUS_SPACE_LPS}, 0);
+    struct made made = make(&(conus_report_options){.rows = "segments", .space = CONUS_SPACE_LPS}, 0);
     conus_table *none = NULL;
     conus_pose pose;
     assert_ok(conus_pose_along(&pose, (const double[]){0, 0, 0}, (const double[]){-1, 0, 0}, NULL));

@@ -98,8 +98,7 @@ static const double nowhere[3] = {0, 0, 0};
 static void summaries_tell_by_how_much(void **state)
 {
     (void)state;
-    struct made made =
-        make(&(conus_report_options){.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_TSV}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.rows = "summaries", .format = "tsv"}, CONUS_LAYERS_VISIBLE);
     const conus_result three[] = {result_of(B, 0.75, 0.5, 12), result_of(A, 0.25, 0.125, 8),
                                   result_of(0, 0, 0.375, NAN)};
     add(&made, "two hit", nowhere, 0, three, 3);
@@ -119,7 +118,7 @@ static void summaries_tell_by_how_much(void **state)
 static void afni_lists_all_by_distance(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_AFNI}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = "afni"}, CONUS_LAYERS_VISIBLE);
     const conus_result five[] = {result_of(A, 0.9, 0.4, 5), result_of(B, 0.8, 0.3, 5), result_of(C, 0.7, 0.2, 2.25),
                                  result_of(D, 0.6, 0.1, NAN), result_of(0, 0, 0, NAN)};
     add(&made, "1", (const double[]){-12.4, 7.6, -0.4}, 0, five, 5);
@@ -157,7 +156,7 @@ static void add_contact(struct made *made, const char *id, double micrometres, u
 static void areas_border_halfway_between_contacts(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = "spikeglx"}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "p1", 0, A);
     add_contact(&made, "p2", 20, A);
     add_contact(&made, "p3", 50, 0);
@@ -175,7 +174,7 @@ static void areas_border_halfway_between_contacts(void **state)
 static void borders_never_go_back(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = "spikeglx"}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "1", 0, A);
     add_contact(&made, "2", 60, B);
     add_contact(&made, "3", -20, C);
@@ -187,7 +186,7 @@ static void borders_never_go_back(void **state)
 static void channels_count_from_0_and_skip_nothing(void **state)
 {
     (void)state;
-    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_OPEN_EPHYS}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = "open-ephys"}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "p1", 0, A);
     add_contact(&made, "p2", 20, A);
     add_contact(&made, "p3", 40, 0);
@@ -201,7 +200,7 @@ static void channels_count_from_0_and_skip_nothing(void **state)
 static void what_is_no_probe_is_refused(void **state)
 {
     (void)state;
-    static const conus_format formats[] = {CONUS_FORMAT_SPIKEGLX, CONUS_FORMAT_OPEN_EPHYS};
+    static const char *const formats[] = {"spikeglx", "open-ephys"};
     const conus_result hit = result_of(A, 1, 1, 3);
     const char *text = NULL;
     size_t size = 0;
@@ -213,7 +212,7 @@ static void what_is_no_probe_is_refused(void **state)
         assert_non_null(strstr(conus_message(), "\"p2\" has a direction"));
         finish(&made);
     }
-    struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = "spikeglx"}, CONUS_LAYERS_VISIBLE);
     add_contact(&made, "p1", 0, A);
     add_contact(&made, "p2", 10, A);
     add_contact(&made, "left", 20, B);
@@ -227,8 +226,7 @@ static void a_contact_has_its_best_answer(void **state)
 {
     (void)state;
     static const char table[] = "name\tx\ty\tz\tgroup\nA1\t0\t0\t0\tleft\nA2\tn/a\t0\t0\tleft\nA3\t1\t1\t1\n";
-    struct made made =
-        make(&(conus_report_options){.format = CONUS_FORMAT_BIDS, .electrodes = table}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.format = "bids", .electrodes = table}, CONUS_LAYERS_VISIBLE);
     const conus_result three[] = {result_of(C, 0.75, 0.5, 1.25), result_of(A, 0.25, 0.125, 8),
                                   result_of(0, 0, 0.375, NAN)};
     add(&made, "A1", nowhere, 2, three, 3);
@@ -268,7 +266,7 @@ static void lps_turns_every_position(void **state)
     (void)state;
     for (int lps = 0; lps < 2; lps++) {
         struct made made =
-            make(&(conus_report_options){.format = CONUS_FORMAT_TSV, .space = lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS},
+            make(&(conus_report_options){.format = "tsv", .space = lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS},
                  CONUS_LAYERS_ALL);
         conus_result result = result_of(A, 1, 1, 3);
         memcpy(result.contact, (const double[]){7.5, 8.5, 9.5}, sizeof result.contact);
@@ -290,8 +288,7 @@ static void lps_turns_every_position(void **state)
 static void csv_quotes_what_needs_it(void **state)
 {
     (void)state;
-    struct made made =
-        make(&(conus_report_options){.rows = CONUS_ROWS_SUMMARIES, .format = CONUS_FORMAT_CSV}, CONUS_LAYERS_VISIBLE);
+    struct made made = make(&(conus_report_options){.rows = "summaries", .format = "csv"}, CONUS_LAYERS_VISIBLE);
     const conus_result hit = result_of(D, 0.5, 1, 3);
     add(&made, "one, two", nowhere, 0, &hit, 1);
     add(&made, "=1+1", nowhere, 0, &hit, 1);

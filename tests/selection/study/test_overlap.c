@@ -524,8 +524,7 @@ static conus_status make_overlap(void *data)
     size_t size = 0;
     conus_status status = conus_roi_create(&roi, &voxels, NULL);
     status = status ? status : conus_overlap(&overlap, data, roi);
-    status =
-        status ? status : conus_report_create(&report, data, &(conus_report_options){.rows = CONUS_ROWS_COVERAGES});
+    status = status ? status : conus_report_create(&report, data, &(conus_report_options){.rows = "coverages"});
     status = status ? status : conus_report_add_table(report, "region", overlap);
     status = status ? status : conus_report_text(&text, &size, report);
     conus_report_destroy(report);
@@ -557,10 +556,9 @@ static conus_status report_cover(void *data)
     const char *text = NULL;
     size_t size = 0;
     conus_status status = conus_overlap(&overlap, asked->selector, asked->roi);
-    status =
-        status ? status
-               : conus_report_create(&report, asked->selector,
-                                     &(conus_report_options){.rows = CONUS_ROWS_COVERAGES, .format = CONUS_FORMAT_TSV});
+    status = status ? status
+                    : conus_report_create(&report, asked->selector,
+                                          &(conus_report_options){.rows = "coverages", .format = "tsv"});
     conus_status added = status ? status : conus_report_add_table(report, "taken", overlap);
     conus_table_destroy(overlap);
     if (!status && !conus_report_text(&text, &size, report)) {

@@ -276,7 +276,7 @@ static void rows_are_written(void **state)
     const char *text = NULL;
     size_t size = 0;
     assert_ok(conus_selector_create(&selector, atlas, NULL));
-    const conus_report_options options = {.rows = CONUS_ROWS_CLUSTERS, .format = CONUS_FORMAT_TSV};
+    const conus_report_options options = {.rows = "clusters", .format = "tsv"};
     assert_ok(conus_report_create(&report, selector, &options));
     assert_ok(conus_report_add_table(report, "map", clusters));
     assert_ok(conus_report_text(&text, &size, report));
@@ -331,7 +331,7 @@ static conus_status make_clusters(void *data)
     size_t size = 0;
     conus_status status = conus_roi_create(&roi, &voxels, &(conus_roi_options){.threshold = 3});
     status = status ? status : conus_clusters(&clusters, data, roi);
-    status = status ? status : conus_report_create(&report, data, &(conus_report_options){.rows = CONUS_ROWS_CLUSTERS});
+    status = status ? status : conus_report_create(&report, data, &(conus_report_options){.rows = "clusters"});
     status = status ? status : conus_report_add_table(report, "region", clusters);
     status = status ? status : conus_report_text(&text, &size, report);
     conus_report_destroy(report);

@@ -596,8 +596,7 @@ static conus_status make_segments(void *data)
     conus_status status =
         conus_selector_create(&selector, data, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES});
     status = status ? status : conus_segments(&segments, selector, &pose);
-    status =
-        status ? status : conus_report_create(&report, selector, &(conus_report_options){.rows = CONUS_ROWS_SEGMENTS});
+    status = status ? status : conus_report_create(&report, selector, &(conus_report_options){.rows = "segments"});
     status = status ? status : conus_report_add_table(report, "probe", segments);
     status = status ? status : conus_report_text(&text, &size, report);
     conus_report_destroy(report);

@@ -388,7 +388,7 @@ static conus_status follow(void *data)
     struct track *track = data;
     conus_tracker *tracker = NULL;
     conus_report *report = NULL;
-    const conus_report_options options = {.format = CONUS_FORMAT_TSV};
+    const conus_report_options options = {.format = "tsv"};
     conus_status status = conus_tracker_create(&tracker, track->selector, NULL);
     conus_report_options of_tracker = options;
     of_tracker.tracker = tracker;
@@ -452,7 +452,7 @@ static void steps_are_reported_as_they_come(void **state)
     conus_report *report = NULL;
     const char *text;
     size_t size;
-    const conus_report_options options = {.format = CONUS_FORMAT_TSV, .tracker = track.tracker, .selected_only = true};
+    const conus_report_options options = {.format = "tsv", .tracker = track.tracker, .selected_only = true};
     assert_ok(conus_report_create(&report, track.selector, &options));
     step(&track, 1700000000.125, AT_BALL, false);
     assert_ok(conus_report_add(report, "a", track.selection));

@@ -197,7 +197,7 @@ static void reports_take_their_rows_in_their_frame(void **state)
         }
     }
     assert_ok(make(&tables[2], atlas, CONUS_SPACE_LPS, 3));
-    const conus_report_options options = {.rows = CONUS_ROWS_ADMISSIONS, .format = CONUS_FORMAT_TSV, .frame = &lps};
+    const conus_report_options options = {.rows = "admissions", .format = "tsv", .frame = &lps};
     assert_ok(conus_report_create(&report, selector, &options));
     assert_fails(conus_report_add_table(report, "ras", tables[0]), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_report_add_table(report, "rows", tables[2]), CONUS_ERROR_ARGUMENT);
