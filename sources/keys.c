@@ -421,7 +421,11 @@ bool keys_read(struct source_keys *out, const char *text, enum key_kind kind)
                     (int)out->length, text, (int)other, text);
     }
     if (!out->length && *text) {
-        return FAIL(out, "\"%.80s\" names no %s", text, kind >= KEYS_REACH ? "structure" : "file");
+        const bool is_structure = kind & (KEYS_REACH | KEYS_AVOID | KEYS_APART | KEYS_FIRST);
+        return FAIL(out, "\"%.80s\" names no %s", text,
+                    is_structure        ? "structure"
+                    : kind == KEYS_ARCS ? "degrees"
+                                        : "file");
     }
     const struct text unknown = find_unknown(text, out->length, kind);
     if (unknown.size) {
