@@ -833,7 +833,7 @@ static const char *const orders[] = {"rank", "depth", NULL};
 const struct option axis_options[] = {
     {OPTION_VALUED("segments", struct axis_settings, segments, "FILE"),
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
-             "bundle, or between them",
+             "bundle, or between them; beside the answer, or - in its place",
      .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .holds = HOLDS_ROWS},
     {OPTION_VALUED("clearance", struct axis_settings, clearance, "FILE[,within=MM]"),
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
