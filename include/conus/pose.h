@@ -317,7 +317,8 @@ typedef struct conus_place_options {
  *  - three numbers as people paste them, in the space of the frame: "-42,-20,50", "(-42 -20 50)", "42L 20P 50S";
  *  - an area or pathway, as conus_atlas_find() finds it, or as "index:17" by its label: its inner point, whether it is
  *    hidden or not. An area of which 20 % or more lie on each side, and whose name says none, has none, unless it is
- *    nearer to the midline than half its depth in an atlas some of whose areas have a side;
+ *    nearer to the midline than half its depth in an atlas some of whose areas have a side; nor has one without a side
+ *    where the midline is not known: x = 0 is an edge of the areas' grid, and the brain is none that conus knows;
  *  - "centroid:AREA": its centroid, if that lies in it;
  *  - "near:AREA": the centre of its voxel, or the point of its surface, that is nearest to another place;
  *  - a position of the 10-10 system, "C3", where the atlas is known to lie in MNI 152 or Colin 27 and none of its areas
