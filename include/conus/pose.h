@@ -116,6 +116,8 @@ struct conus_place_options; /* below */
 typedef conus_status (*conus_place_finder)(struct conus_place *out, const conus_atlas *atlas, const char *text,
                                            const struct conus_place_options *options);
 
+typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
+
 /** How files of poses are read. */
 typedef struct conus_pose_options {
     size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -161,6 +163,8 @@ typedef struct conus_pose_options {
     conus_place_finder find_place; /**< conus_place_find() where @p atlas is given. */
     bool inward; /**< A point is a pose that points straight into the head: from a position of a cap that is called by
                     its name against the normal there, elsewhere as conus_atlas_inward() of @p atlas says. */
+    const conus_scalp *scalp; /**< With @p find_place: where positions of a cap lie; it must outlive the stream. NULL = on
+                                 the head of MNI 152. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -294,7 +298,6 @@ typedef struct conus_place {
     double way_mm;         /**< How far it goes; 0 where there is none. */
 } conus_place;
 
-typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
 
 /** How conus_place_find() reads. */
 typedef struct conus_place_options {
