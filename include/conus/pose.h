@@ -163,8 +163,8 @@ typedef struct conus_pose_options {
     conus_place_finder find_place; /**< conus_place_find() where @p atlas is given. */
     bool inward; /**< A point is a pose that points straight into the head: from a position of a cap that is called by
                     its name against the normal there, elsewhere as conus_atlas_inward() of @p atlas says. */
-    const conus_scalp *scalp; /**< With @p find_place: where positions of a cap lie; it must outlive the stream. NULL = on
-                                 the head of MNI 152. */
+    const conus_scalp *scalp; /**< With @p find_place: where positions of a cap lie; it must outlive the stream. NULL =
+                                 on the head of MNI 152. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -297,7 +297,6 @@ typedef struct conus_place {
                               NULL. */
     double way_mm;         /**< How far it goes; 0 where there is none. */
 } conus_place;
-
 
 /** How conus_place_find() reads. */
 typedef struct conus_place_options {
