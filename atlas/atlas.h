@@ -321,6 +321,8 @@ struct midline {
     bool is_ccf;              /**< It is that of the Allen CCF, and right is where ML grows; else x = 0.           */
     bool is_turned;           /**< There x grows to the left of it, as in a folder of BrainGlobe: left by x is right
                                    by ML.                                                                        */
+    bool is_unknown;          /**< Nothing says where it is: x = 0 is an edge of the areas' grid, and the brain is none
+                                   that conus knows.                                                             */
     double side_from_own[16]; /**< From where the atlas's files have it (conus_atlas_own_point()) to mm, of which the
                                    first number is how far a point lies to the right of the plane.               */
 };

@@ -156,6 +156,29 @@ static bool find_own(double own_from_ccf[16], const conus_atlas *atlas)
     return find_in_grid(own_from_ccf, info, own);
 }
 
+/* Whether x = 0 is within a voxel of an edge of the areas' grid, and so counted from a corner. */
+static bool begins_at_corner(const conus_atlas *atlas)
+{
+    const struct volume *volume = atlas_parcellation(atlas);
+    double low = INFINITY;
+    double high = -INFINITY;
+    double voxel = 0;
+    for (int corner = 0; volume && corner < 8; corner++) {
+        double at[3];
+        for (int a = 0; a < 3; a++) {
+            at[a] = (corner >> a & 1) ? (double)volume->info.dim[a] - 0.5 : -0.5;
+        }
+        mat4_point(at, volume->info.world_from_voxel, at);
+        conus_atlas_own_point(at, atlas, at);
+        low = fmin(low, at[0]);
+        high = fmax(high, at[0]);
+    }
+    for (int a = 0; volume && a < 3; a++) {
+        voxel = fmax(voxel, volume->info.spacing[a]);
+    }
+    return volume && fmin(fabs(low), fabs(high)) <= voxel;
+}
+
 void frame_midline(struct midline *out, const conus_atlas *atlas)
 {
     const double um = micrometre;
@@ -170,6 +193,7 @@ void frame_midline(struct midline *out, const conus_atlas *atlas)
         out->is_ccf = true;
         out->is_turned = (own_from_ccf[8] < 0) != is_mirrored;
     }
+    out->is_unknown = !out->is_ccf && conus_atlas_brain(atlas).brain <= CONUS_BRAIN_OWN && begins_at_corner(atlas);
 }
 
 void frame_keep_ccf(conus_atlas *atlas)

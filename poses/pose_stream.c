@@ -498,14 +498,16 @@ static conus_status turn_inward(conus_pose_row *row, conus_pose_stream *stream)
 
 static conus_status note_inward(conus_pose_stream *stream)
 {
-    static const char *const words[] = {
-        "the context's surfaces within 5 mm", "the head in the context's image within 5 mm",
-        "the atlas's convex hull, to whose nearest point they look", "positions of a cap"};
+    static const char *const words[] = {"the context's surfaces within 5 mm",
+                                        "the head in the context's image within 5 mm",
+                                        "the atlas's convex hull, to whose nearest point they look",
+                                        "positions of a cap", "positions of a cap on the scalp"};
     conus_status status = CONUS_OK;
     for (size_t i = 0; i <= INWARD_POSITION && !status; i++) {
         status = !stream->inward[i] ? CONUS_OK
                                     : notes_add(&stream->list.notes, "%zu %s into the head, by %s", stream->inward[i],
-                                                stream->inward[i] == 1 ? "row points" : "rows point", words[i]);
+                                                stream->inward[i] == 1 ? "row points" : "rows point",
+                                                words[i == INWARD_POSITION && stream->options.scalp ? i + 1 : i]);
         stream->inward[i] = 0;
     }
     return status;
@@ -631,6 +633,9 @@ static void open_text(struct job *job, conus_pose_stream *stream)
     if (words->place.size && !stream->columns.place) {
         job_bad(job, "\"%.60s\": names of places are read from tables and lists where an atlas is",
                 stream->options.columns);
+    }
+    if (stream->options.scalp && !stream->columns.place) {
+        job_bad(job, "it has positions, and no names of a cap's, like C3, which alone are found on a scalp");
     }
     if (job_ok(job) && is_whole) {
         read_whole(job, stream);

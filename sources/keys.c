@@ -131,6 +131,7 @@ static const struct source_key rows[] = {
     {KEY_INION, "inion", KEYS_SCALP, POINT},
     {KEY_LPA, "lpa", KEYS_SCALP, POINT},
     {KEY_RPA, "rpa", KEYS_SCALP, POINT},
+    {KEY_NAME, "landmarks", KEYS_SCALP, .type = IS_TEXT},
 
     {KEY_ABOVE, "above", KEYS_WEIGHT, .allowed = "a weight is needed, or P% or P%area"},
     {KEY_POWER, "power", KEYS_PRIOR, NUMBERS(1), .low = 0.01, .high = 100,
@@ -425,7 +426,11 @@ bool keys_read(struct source_keys *out, const char *text, enum key_kind kind)
                     (int)out->length, text, (int)other, text);
     }
     if (!out->length && *text) {
-        return FAIL(out, "\"%.80s\" names no %s", text, kind >= KEYS_REACH ? "structure" : "file");
+        const bool is_structure = kind & (KEYS_REACH | KEYS_AVOID | KEYS_APART | KEYS_FIRST);
+        return FAIL(out, "\"%.80s\" names no %s", text,
+                    is_structure        ? "structure"
+                    : kind == KEYS_ARCS ? "degrees"
+                                        : "file");
     }
     const struct text unknown = find_unknown(text, out->length, kind);
     if (unknown.size) {

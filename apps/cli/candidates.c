@@ -192,10 +192,11 @@ static int print_no_mask(conus_status status)
 /* Points of a file or, of entries, voxels of a mask. */
 static int load_points(struct place *place, const struct request *request, bool may_be_mask)
 {
-    const conus_pose_options options = request_pose_options(request);
+    conus_pose_options options = request_pose_options(request);
     conus_pose_list *list = NULL;
     conus_roi *mask = NULL;
     char why[1024];
+    options.scalp = may_be_mask ? request->places.scalp : NULL; /* entries */
     conus_status status = conus_pose_list_load(&list, place->path, &options);
     if (!status) {
         const struct request_settings *settings = request->settings;
@@ -204,7 +205,7 @@ static int load_points(struct place *place, const struct request *request, bool 
         return code ? code : take_points(place, list);
     }
     snprintf(why, sizeof why, "%s", conus_message());
-    conus_status of_mask = may_be_mask ? load_mask(&mask, place->path, request) : status;
+    conus_status of_mask = may_be_mask && !options.scalp ? load_mask(&mask, place->path, request) : status;
     if (!of_mask) {
         of_mask = conus_sites_of_roi(&place->sites, mask);
         conus_roi_destroy(mask);
@@ -304,6 +305,10 @@ static int thin_out(struct place *place, const char *option, const struct reques
 static int load_entries(struct place *place, const struct request *request)
 {
     int code = EXIT_DONE;
+    if (request->places.scalp && (place->angles || conus_context_is_surface(place->path))) {
+        return print_usage_error(
+            "--scalp has no effect: names of a cap's positions, in a list for --from, are found on it");
+    }
     if (conus_context_is_surface(place->path)) {
         conus_status status = conus_sites_load(&place->sites, place->path, place->flip);
         code = print_status(status);
@@ -384,7 +389,8 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
                               .beyond = candidates->beyond,
                               .frame = &request->frame};
     const bool has_angles = candidates->from.angles;
-    int code = candidates->from.sites || has_angles ? EXIT_DONE : load_entries(&candidates->from, request);
+    bool is_there = candidates->from.sites || (has_angles && !request->places.scalp);
+    int code = is_there ? EXIT_DONE : load_entries(&candidates->from, request);
     if (!code && !is_normal && !candidates->toward.sites) {
         code = load_targets(&candidates->toward, request, constraints);
     }

@@ -97,6 +97,7 @@ static const struct option_group groups[] = {
     {"Which poses are tried", plan_pose_options, 0},
     {"", candidate_options, offsetof(struct plan_settings, candidates)},
     {"", plan_needle_options, 0},
+    {"", scalp_options, REQUEST_FIELD(aim)},
     {"", pose_file_options, REQUEST_FIELD(file)},
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What must hold, all of it", constraint_options, offsetof(struct plan_settings, constraints)},

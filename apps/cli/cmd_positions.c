@@ -9,6 +9,7 @@
 
 static const struct option_group groups[] = {
     {"How a device stands there", stance_options, REQUEST_FIELD(aim)},
+    {"", scalp_options, REQUEST_FIELD(aim)},
     REQUEST_OUTPUT_GROUPS,
     {"", quiet_options, REQUEST_FIELD(common)},
     {0},
@@ -55,7 +56,7 @@ static int answer_positions(struct request *request, const struct arguments *arg
     }
     options.frame = NULL;
     options.rows = "positions";
-    int code = settings_scalp(&request->places.scalp, &request->scalp, aim, NULL);
+    int code = settings_scalp(&request->places.scalp, request->scalp, aim, NULL);
     stance.scalp = request->places.scalp;
     code = code ? code : print_status(conus_positions(&found, count ? names : NULL, count, &stance));
     code = code ? code : print_status(conus_report_create(&report, NULL, &options));

@@ -114,6 +114,8 @@ struct query_run {
     bool has_shanks;             /* answers along the axes of cones were asked */
     bool has_tracts;             /* pathways or bundles are in the answers */
     bool has_needles;            /* an axis ends at the target or at the depth that its file gives */
+    size_t leads, first_lead;    /* of these begin outside of all objects; the line of the first, */
+    double lead;                 /* and mm from there to an object */
 };
 
 /* Whether the format of another program has a place for this answer. */
@@ -192,6 +194,7 @@ struct query {
     bool is_point;
     double point[3];
     double radius; /* of the ball; 0 = what is at the point */
+    bool is_needle;
 };
 
 /* Adds what the axis passes in one atlas. */
@@ -220,14 +223,20 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
     if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
+    double lead = 0;
     struct asked asked = {.line = query->line,
                           .pose = query->is_point ? NULL : &query->pose,
+                          .lead = query->is_needle && index == 0 ? &lead : NULL,
                           .selection = selection,
                           .radius = ends_radius_of(&settings->ends, run->request.arguments),
                           .pairs = settings->ends.connectivity};
     conus_status status =
         is_shank ? add_axis(answerer, query) : conus_report_add(answerer->report, query->id, selection);
     status = status ? status : rows_files_add(&run->request.rows, index, answerer->selector, query->id, &asked);
+    if (lead > 0 && !run->leads++) {
+        run->first_lead = query->line;
+        run->lead = lead;
+    }
     return print_status(status);
 }
 
@@ -282,7 +291,8 @@ static int answer_row(void *user, const conus_pose_row *row)
         request_count_point(request, row->line, query.point, radius);
     } else {
         query.angle = request_angle(request, row);
-        run->has_needles = run->has_needles || (row->angle == 0 && row->range[1] > 0);
+        query.is_needle = row->angle == 0 && row->range[1] > 0;
+        run->has_needles = run->has_needles || query.is_needle;
         request_count_pose(request, row->line, &row->pose, query.angle);
     }
     int code = ask_atlases(run, &query, &fault);
@@ -688,6 +698,11 @@ static int answer_query(struct query_run *run)
                  "needles are asked for what they meet first: --layers all asks what they pass, --segments FILE what "
                  "the axis passes, in order");
     }
+    say_note(
+        CONUS_SEVERITY_NOTE, request->settings->common.quiet || !run->leads,
+        "%zu ax%s outside of the atlas's objects (the first in line %zu, %.2f mm before one): depths are from where "
+        "an axis begins, not from the surface",
+        run->leads, run->leads == 1 ? "is begins" : "es begin", run->first_lead, run->lead);
     return request_code(request, write_all(run));
 }
 

@@ -61,7 +61,8 @@ void request_finish(struct request *request)
     conus_pose_list_destroy(request->poses);
     atlases_finish(&request->atlases);
     named_places_finish(&request->places);
-    free(request->scalp);
+    free(request->scalp[0]);
+    free(request->scalp[1]);
     free(request->command_line);
     free(request->sidecar);
 }
@@ -89,7 +90,8 @@ void request_list_inputs(struct provenance *out, const struct request *request)
     provenance_add_input(out, settings->aim.pose);
     provenance_add_input(out, coordinates_of(request));
     provenance_add_input(out, settings_level_file(&settings->engine));
-    provenance_add_input(out, request->scalp);
+    provenance_add_input(out, request->scalp[0]);
+    provenance_add_input(out, request->scalp[1]);
     provenance_add_input(out, settings->engine.weight_file[0]);
     provenance_add_input(out, settings->engine.weight_file[1]);
 }
@@ -142,6 +144,10 @@ int request_load(struct request *request, int (*load_poses)(void *user), void *u
     code = code
                ? code
                : space_settings_frame(&request->frame, &request->atlases, &settings->aim.space, settings->common.quiet);
+    code = code ? code : settings_scalp(&request->places.scalp, request->scalp, &settings->aim, &request->frame);
+    code = code ? code
+                : settings_scalp_match(request->places.scalp, &request->atlases, settings->file.any_space,
+                                       settings->common.quiet);
     return code ? code : load_poses ? load_poses(user) : request_load_poses(request);
 }
 
@@ -164,15 +170,9 @@ int request_match(struct request *request)
 
 int request_find_aim(struct request *request)
 {
-    request->places = (struct named_places){.atlas = request->atlases.items[0].atlas, .frame = &request->frame};
     const struct aim_settings *aim = &request->settings->aim;
-    int code = settings_scalp(&request->places.scalp, &request->scalp, aim, &request->frame);
-    code = code ? code
-                : settings_scalp_match(request->places.scalp, &request->atlases, request->settings->file.any_space,
-                                       request->settings->common.quiet);
-    if (code) {
-        return code;
-    }
+    request->places.atlas = request->atlases.items[0].atlas;
+    request->places.frame = &request->frame;
     settings_say_handle(request->arguments, &request->settings->engine, &request->settings->common);
     return aim->origin || aim->focus
                ? settings_pose(&request->aim, &request->aim_target, &request->places, aim, request->arguments)

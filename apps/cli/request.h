@@ -26,8 +26,8 @@ struct request_settings {
 #define REQUEST_FIELD(member) offsetof(struct request_settings, member)
 #define REQUEST_AIM_GROUPS                                                                                             \
     {"Where the cone is", aim_options, REQUEST_FIELD(aim)}, {"", stance_options, REQUEST_FIELD(aim)},                  \
-        {"", pose_file_options, REQUEST_FIELD(file)}, {"", angle_options, REQUEST_FIELD(aim)},                         \
-        {"", space_options, REQUEST_FIELD(aim.space)},                                                                 \
+        {"", scalp_options, REQUEST_FIELD(aim)}, {"", pose_file_options, REQUEST_FIELD(file)},                         \
+        {"", angle_options, REQUEST_FIELD(aim)}, {"", space_options, REQUEST_FIELD(aim.space)},                        \
     {                                                                                                                  \
         "", shape_options, REQUEST_FIELD(engine)                                                                       \
     }
@@ -77,7 +77,7 @@ struct request {
     struct atlases atlases;
     conus_frame frame;             /**< The space of positions, once the atlases are loaded. */
     struct named_places places;    /**< Those that were given as words. */
-    char *scalp;                   /**< The file of --scalp; owned. */
+    char *scalp[2];                /**< The files of --scalp and its landmarks; owned. */
     conus_pose aim;                /**< That of --origin or --focus, by request_find_aim(), */
     double aim_target;             /**< and how far its target is, mm; NaN = it has none. */
     struct answerer *answerers;    /**< [atlases.count] */

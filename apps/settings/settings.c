@@ -179,11 +179,16 @@ const struct option stance_options[] = {
              "to the position's side, on the midline to the left",
      .otherwise = "up is superior", OPTION_FROM_TO(-360, 360), .words = "coil, TMS, orientation",
      .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "up,pose"},
+    {0},
+};
+
+const struct option scalp_options[] = {
     {OPTION_VALUED("scalp", struct aim_settings, scalp, "SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z"),
-     .help = "with --inward: positions of a cap are those on this scalp, a closed surface, by the landmarks on it, "
-             "which is the head of the atlas",
-     .words = "head, subject, individual, EEG", .flags = OPTION_OF_CONE, .needs = "inward", .excludes = "pose",
-     OPTION_READING(SURFACE)},
+     .help = "with --inward or a list: positions of a cap are those on this scalp, a closed surface, by the landmarks "
+             "on it, which is the head of the atlas; landmarks=FILE has them from a coordsystem.json of BIDS, RAS mm "
+             "of the "
+             "scalp, which seldom has the inion",
+     .words = "head, subject, individual, EEG", .needs = "inward|from", .excludes = "pose", OPTION_READING(SURFACE)},
     {0},
 };
 
@@ -373,32 +378,35 @@ conus_position_options settings_stance(const struct aim_settings *settings, cons
     return (conus_position_options){.off = settings->off, .handle = settings->handle, .has_handle = has_handle};
 }
 
-int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *settings, const conus_frame *frame)
+int settings_scalp(conus_scalp **out, char *paths[2], const struct aim_settings *settings, const conus_frame *frame)
 {
+    static const char *const names[] = {"nasion", "inion", "lpa", "rpa"};
     struct source_keys keys;
-    double landmarks[4][3];
+    double landmarks[4][3] = {{NAN}, {NAN}, {NAN}, {NAN}};
+    conus_status status = CONUS_OK;
     if (!settings->scalp) {
         return EXIT_DONE;
     }
-    *path = text_copy(settings->scalp, strlen(settings->scalp));
-    if (!option_cut_keys(&keys, "scalp", *path, KEYS_SCALP)) {
+    paths[0] = text_copy(settings->scalp, strlen(settings->scalp));
+    if (!option_cut_keys(&keys, "scalp", paths[0], KEYS_SCALP)) {
         return EXIT_USAGE;
     }
-    for (int k = 0; k < 4; k++) {
+    if (keys.given & KEY_BIT(KEY_NAME)) {
+        const char *file = keys_string(&keys, KEY_NAME);
+        paths[1] = text_copy(file, strlen(file));
+        status = paths[1] ? conus_landmarks_load(landmarks, paths[1]) : CONUS_ERROR_MEMORY;
+    }
+    for (int k = 0; k < 4 && !status; k++) {
         const enum source_key_id id = (enum source_key_id)(KEY_NASION + k);
-        if (!(keys.given & KEY_BIT(id))) {
-            return print_usage_error("--scalp: %s is missing: SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z",
-                                     (const char *const[]){"nasion", "inion", "lpa", "rpa"}[k]);
-        }
-        for (int a = 0; a < 3; a++) {
-            landmarks[k][a] = keys_value(&keys, id)->numbers[a];
-        }
-        conus_status status = frame ? conus_frame_to_world(landmarks[k], frame, landmarks[k]) : CONUS_OK;
-        if (status) {
-            return print_status(status);
+        if (keys.given & KEY_BIT(id)) {
+            memcpy(landmarks[k], keys_value(&keys, id)->numbers, sizeof landmarks[k]);
+            status = frame ? conus_frame_to_world(landmarks[k], frame, landmarks[k]) : CONUS_OK;
+        } else if (isnan(landmarks[k][0])) {
+            return print_usage_error("--scalp: %s is missing%s%s: SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z",
+                                     names[k], paths[1] ? " in " : "", paths[1] ? paths[1] : "");
         }
     }
-    return print_status(conus_scalp_load(out, *path, (const double(*)[3])landmarks));
+    return print_status(status ? status : conus_scalp_load(out, paths[0], (const double(*)[3])landmarks));
 }
 
 /* The root mean square distance, mm, of the scalp's positions from those of MNI 152. */
@@ -833,7 +841,7 @@ static const char *const orders[] = {"rank", "depth", NULL};
 const struct option axis_options[] = {
     {OPTION_VALUED("segments", struct axis_settings, segments, "FILE"),
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
-             "bundle, or between them",
+             "bundle, or between them; beside the answer, or - in its place",
      .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .holds = HOLDS_ROWS},
     {OPTION_VALUED("clearance", struct axis_settings, clearance, "FILE[,within=MM]"),
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "

@@ -150,11 +150,12 @@ int settings_pose(conus_pose *out, double *target, struct named_places *places, 
 
 /** --out and --handle: how a device stands at a position, straight into the head. */
 extern const struct option stance_options[];
+extern const struct option scalp_options[];
 conus_position_options settings_stance(const struct aim_settings *settings, const struct arguments *arguments);
 
-/** Loads --scalp, whose landmarks are in the space of @p frame, NULL = the world; *path, its file, is the caller's to
- * free(). Neither where it is not given. */
-int settings_scalp(conus_scalp **out, char **path, const struct aim_settings *settings, const conus_frame *frame);
+/** Loads --scalp, whose landmarks are in the space of @p frame, NULL = the world; @p paths, its file and that of its
+ * landmarks, are the caller's to free(). None where it is not given. */
+int settings_scalp(conus_scalp **out, char *paths[2], const struct aim_settings *settings, const conus_frame *frame);
 
 /** Refuses a scalp (NULL = none) that cannot be the head of an atlas: of a person's template where its positions are
  * far from those of MNI 152, of another always, unless @p any_space. Says, unless @p quiet, what else it is taken for.

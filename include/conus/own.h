@@ -682,6 +682,13 @@ CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *
  * conus_sites_load(). */
 CONUS_CHECKED conus_status conus_scalp_load(conus_scalp **out, const char *path, const double landmarks[4][3]);
 
+/** Reads the landmarks of a *_coordsystem.json of BIDS: those of AnatomicalLandmarkCoordinates, or else of
+ * FiducialsCoordinates, by their names (NAS, INI, LPA, RPA, and what others call them), in any unit that is stated.
+ * @param[out] landmarks Nasion, inion, left and right ear, mm as in the file; NaN for one that is not there.
+ * @return #CONUS_ERROR_DATA for a file that is none, and for a system that is a head's own (CTF, CapTrak) and no
+ * image's world; #CONUS_ERROR_IO; #CONUS_ERROR_MEMORY. */
+CONUS_CHECKED conus_status conus_landmarks_load(double landmarks[4][3], const char *path);
+
 /** Ends a scalp. */
 CONUS_API void conus_scalp_destroy(conus_scalp *scalp);
 

@@ -95,6 +95,8 @@ struct conus_place_options; /* below */
 typedef conus_status (*conus_place_finder)(struct conus_place *out, const conus_atlas *atlas, const char *text,
                                            const struct conus_place_options *options);
 
+typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
+
 /** How files of poses are read. */
 typedef struct conus_pose_options {
     size_t struct_size;       /**< Its size, as #CONUS_POSE_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -141,6 +143,8 @@ typedef struct conus_pose_options {
     conus_place_finder find_place; /**< conus_place_find() where @p atlas is given. */
     bool inward; /**< A point is a pose that points straight into the head: from a position of a cap that is called by
                     its name against the normal there, elsewhere as conus_atlas_inward() of @p atlas says. */
+    const conus_scalp *scalp; /**< With @p find_place: where positions of a cap lie; it must outlive the stream. NULL =
+                                 on the head of MNI 152. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -274,8 +278,6 @@ typedef struct conus_place {
     double way_mm;         /**< How far it goes; 0 where there is none. */
 } conus_place;
 
-typedef struct conus_scalp conus_scalp; /**< Somebody's scalp, with the positions of the 10-10 system on it. */
-
 /** How conus_place_find() reads. */
 typedef struct conus_place_options {
     size_t struct_size;       /**< Its size, as #CONUS_PLACE_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -297,7 +299,8 @@ typedef struct conus_place_options {
  *  - three numbers as people paste them, in the space of the frame: "-42,-20,50", "(-42 -20 50)", "42L 20P 50S";
  *  - an area or pathway, as conus_atlas_find() finds it, or as "index:17" by its label: its inner point, whether it is
  *    hidden or not. An area of which 20 % or more lie on each side, and whose name says none, has none, unless it is
- *    nearer to the midline than half its depth in an atlas some of whose areas have a side;
+ *    nearer to the midline than half its depth in an atlas some of whose areas have a side; nor has one without a side
+ *    where the midline is not known: x = 0 is an edge of the areas' grid, and the brain is none that conus knows;
  *  - "centroid:AREA": its centroid, if that lies in it;
  *  - "near:AREA": the centre of its voxel, or the point of its surface, that is nearest to another place;
  *  - a position of the 10-10 system, "C3", where the atlas is known to lie in MNI 152 or Colin 27 and none of its areas

@@ -338,24 +338,33 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
 }
 
 /* A note where a region looks like the large values of a map of p values, whose small ones are meant: all values are
- * from 0 to 1, and one at which p is cut takes most of those that are not 0, which are no mask's. */
+ * from 0 to 1, and the threshold takes most of those that are not 0, which are no mask's. One at which p is seldom cut
+ * might be of a map of probabilities; p is even where there is no effect, so each tenth above the first has some. */
 static void note_p_values(struct job *job, const conus_volume_info *info, const float *values)
 {
-    static const double CUT = 0.1; /* p is seldom cut above */
+    static const double CUT = 0.1;   /* p is seldom cut above */
+    static const double LEAST = 0.5; /* of what even values have */
+    enum { TENTHS = 10 };
+    size_t tenths[TENTHS] = {0};
     const size_t count = info->dim[0] * info->dim[1] * info->dim[2];
     size_t some = 0;
     size_t taken = 0;
     float low = INFINITY;
     float high = 0;
-    for (size_t i = 0; i < count && info->threshold > 0 && info->threshold <= CUT; i++) {
+    for (size_t i = 0; i < count && info->threshold > 0; i++) {
         if (values[i] != 0 && !isnan(values[i])) {
             low = fminf(low, values[i]);
             high = fmaxf(high, values[i]);
             some++;
             taken += values[i] >= tolerance_least(info->threshold);
+            tenths[values[i] > 0 && values[i] < 1 ? (size_t)(TENTHS * values[i]) : TENTHS - 1]++;
         }
     }
-    if (low > 0 && low < high && high <= 1 && 2 * taken > some) {
+    bool is_even = true;
+    for (size_t i = 1; i < TENTHS; i++) {
+        is_even = is_even && TENTHS * (double)tenths[i] >= LEAST * (double)some;
+    }
+    if (low > 0 && low < high && high <= 1 && 2 * taken > some && (info->threshold <= CUT || is_even)) {
         job_note(
             job,
             "%s: the region is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "

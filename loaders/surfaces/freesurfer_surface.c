@@ -100,7 +100,7 @@ static void place_in_world(struct reader *r, struct mesh *mesh)
         job_note(job, "FreeSurfer surface in scanner coordinates (useRealRAS): taken as they are");
     } else if (!geometry.valid) {
         job_warn(job, "FreeSurfer surface without a valid volume geometry: c_ras is not known, surface coordinates "
-                      "were taken as the world's; behind FILE ',space=ras' says that they are, 'mris_convert "
+                      "were taken as the world's; ',space=ras' behind FILE says that they are, 'mris_convert "
                       "--to-scanner' makes them so");
     } else if (!freesurfer_world_from_surface(world, geometry.axes, geometry.centre)) {
         job_bad(job, "volume geometry: xras, yras and zras are no directions at right angles");

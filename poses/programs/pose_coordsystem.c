@@ -5,8 +5,10 @@
 #include "base/files/file.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
+#include "conus/own.h"
 #include "poses/rows/pose_row.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -270,4 +272,72 @@ void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *p
                 is_named ? "the space is that of its name, \"" : "no space is known", list->space.name,
                 is_named ? "\"" : "");
     }
+}
+
+/* In the order of conus_scalp_load(). */
+static const char *const landmark_names[] = {"nas/nasion/nz", "ini/inion/iz", "lpa", "rpa"};
+
+enum { LANDMARKS = sizeof landmark_names / sizeof landmark_names[0] };
+
+static void read_landmark(struct job *job, double out[3], const char *name, const json_t *value, double mm)
+{
+    for (size_t a = 0; a < 3 && job_ok(job); a++) {
+        const json_t *number = json_array_get(value, a);
+        if (json_array_size(value) != 3 || !json_is_number(number)) {
+            job_bad(job, "%.40s: three numbers are needed", name);
+        }
+        out[a] = mm * json_number_value(number);
+    }
+}
+
+static void read_landmarks(struct job *job, double out[LANDMARKS][3], struct text text)
+{
+    json_t *root = json_text_read(job, text);
+    const bool is_anatomical = json_object_get(root, "AnatomicalLandmarkCoordinates");
+    const struct text group = text_from(is_anatomical ? "AnatomicalLandmark" : "Fiducials");
+    json_t *points = json_object_get(root, is_anatomical ? "AnatomicalLandmarkCoordinates" : "FiducialsCoordinates");
+    if (job_ok(job) && !json_is_object(points)) {
+        job_bad(job, "no AnatomicalLandmarkCoordinates");
+    }
+    struct text system = value_of(root, group, "CoordinateSystem");
+    struct text units = value_of(root, group, "CoordinateUnits");
+    if (job_ok(job) && (says_nothing(system) || says_nothing(units))) { /* those of the electrodes */
+        const struct text modality = find_modality(job, root, "iEEG/EEG/EMG");
+        system = says_nothing(system) ? value_of(root, modality, "CoordinateSystem") : system;
+        units = says_nothing(units) ? value_of(root, modality, "CoordinateUnits") : units;
+    }
+    (void)find_space(job, system);
+    const double mm = space_unit_mm(units);
+    if (!(mm > 0)) {
+        job_bad(job, "units \"%.*s\" of the landmarks, allowed are mm, cm and m", POSE_QUOTE(units));
+    }
+    const char *key;
+    json_t *value;
+    json_object_foreach(points, key, value)
+    {
+        for (size_t k = 0; k < LANDMARKS; k++) {
+            if (text_is_one_of(text_from(key), landmark_names[k], false)) {
+                read_landmark(job, out[k], key, value, mm);
+            }
+        }
+    }
+}
+
+conus_status conus_landmarks_load(double landmarks[4][3], const char *path)
+{
+    struct job job = {0};
+    double found[LANDMARKS][3];
+    for (size_t i = 0; i < 3 * LANDMARKS; i++) {
+        found[i / 3][i % 3] = NAN;
+    }
+    (void)job_in(&job, path, JOB_ALONE);
+    const struct bytes bytes = job_read(&job, path, FILE_LIMIT, "");
+    if (job_ok(&job)) {
+        read_landmarks(&job, found, (struct text){(const char *)bytes.data, bytes.size});
+    }
+    conus_status status = job_close(&job, NULL, NULL);
+    if (!status) {
+        memcpy(landmarks, found, sizeof found);
+    }
+    return status;
 }

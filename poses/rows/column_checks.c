@@ -162,6 +162,13 @@ void columns_hear_words(struct head *head)
                 is_unit ? "only if they are mm, type " : "", is_unit ? out->file : space_any(head->options->space),
                 is_unit ? ",unit=mm" : "");
     }
+    if (said->says_mni && (said->space.brain == POSE_BRAIN_ANIMAL || said->space.brain == POSE_BRAIN_MOUSE)) {
+        job_bad(
+            job,
+            "positions are said to be in MNI, and to be in \"%s\": of which brain are they? Keep the word for theirs "
+            "in the file; %s",
+            said->heard, space_any(head->options->space));
+    }
     if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
         job_bad(
             job,
@@ -372,9 +379,9 @@ static void judge(const struct census *c, const struct head *head, double longes
     if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
         columns_refuse_short(job, c->short_axes, c->axes, longest);
     }
-    if (is_unsaid && of_people && is_known && c->farthest < longest / 14) {
-        job_warn(job, "all positions lie within %.3g mm of the origin: are they in centimetres? Then type %s,unit=cm",
-                 longest / 14, head->out->file);
+    if (is_unsaid && space != CONUS_SPACE_CCF && is_known && c->farthest < longest / 14) {
+        job_warn(job, "all positions lie within %.3g mm of %s: are they in centimetres? Then type %s,unit=cm",
+                 longest / 14, of_people ? "the origin" : "bregma", head->out->file);
     } else if (is_list && of_people && is_known && !c->negatives && !are_right) {
         job_warn(job, "no position has a negative number: are they voxels, or positions in a frame?");
     }

@@ -180,9 +180,10 @@ static conus_status find(struct named_rows *known, const char *text, size_t line
         !conus_atlas_find(&object, options->atlas, text)) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is a number: index:%.60s is the area with this label", text, text);
     }
-    conus_status status = options->atlas ? options->find_place(&place, options->atlas, text,
-                                                               &(conus_place_options){.frame = options->frame})
-                                         : find_position(&place, text);
+    conus_status status =
+        options->atlas ? options->find_place(&place, options->atlas, text,
+                                             &(conus_place_options){.frame = options->frame, .scalp = options->scalp})
+                       : find_position(&place, text);
     if (!status && place.kind == CONUS_PLACE_NUMBERS) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" beside names: coordinates need columns, x y z, of their own", text);
     }

@@ -302,6 +302,7 @@ enum space_axes {
 /** What was heard so far. All 0: nothing. */
 struct space_words {
     struct pose_space space; /**< The brain: pose_space_match() decides, and space_moves() says which is moved. */
+    bool says_mni;           /**< MNI is named, perhaps beside another brain. */
     bool has_signs;          /**< RAS or LPS: */
     conus_space signs;
     bool may_be_lps; /**< "LPS" stands there, and nothing says of what. */

@@ -268,6 +268,7 @@ static void keep(struct space_words *words, struct text heard, const struct row 
         words->signs = signs;
         return;
     }
+    words->says_mni = words->says_mni || row->brain == POSE_BRAIN_MNI152;
     if (!is_better) {
         return;
     }

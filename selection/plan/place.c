@@ -207,12 +207,20 @@ static conus_status find_object(struct finding *finding)
                : status;
 }
 
-/* Advises near:, where there is an axis. */
-static conus_status advise_near(conus_status status, const struct finding *finding)
+/* Advises near:, where there is an axis, and the centroid that lies in the area, as in one on the midline. */
+static conus_status advise(conus_status status, const struct finding *finding, const struct plan_constraint *structure,
+                           const double centroid[3])
 {
     char more[SHOWN + 64];
-    snprintf(more, sizeof more, "; near:%.*s is its point nearest to the other end", SHOWN, finding->place.name);
-    return finding->options->has_axis ? fail_with(status, more) : status;
+    if (finding->options->has_axis) {
+        snprintf(more, sizeof more, "; near:%.*s is its point nearest to the other end", SHOWN, finding->place.name);
+        status = fail_with(status, more);
+    }
+    if (plan_is_inside(structure, centroid)) {
+        snprintf(more, sizeof more, "; centroid:%.*s is its middle, which lies in it", SHOWN, finding->place.name);
+        status = fail_with(status, more);
+    }
+    return status;
 }
 
 static conus_status take_inner_point(struct finding *finding, const struct plan_constraint *structure,
@@ -225,7 +233,7 @@ static conus_status take_inner_point(struct finding *finding, const struct plan_
                       structure->name);
     }
     status = status ? status : plan_check_sides(structure, &inner, finding->atlas, finding->place.object);
-    status = status == CONUS_ERROR_ARGUMENT ? advise_near(status, finding) : status;
+    status = status == CONUS_ERROR_ARGUMENT ? advise(status, finding, structure, centroid) : status;
     finding->place.kind = CONUS_PLACE_INNER;
     finding->place.depth = inner.depth;
     memcpy(finding->place.point, inner.at, sizeof finding->place.point);

@@ -707,6 +707,12 @@ conus_status plan_check_sides(const struct plan_constraint *structure, const str
     double own[3];
     struct midline midline;
     frame_midline(&midline, atlas);
+    if (midline.is_unknown) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "%s may lie on both sides: x = 0 is an edge of the atlas's grid, and so it is not known where left "
+                    "ends; choose a side by a point of it",
+                    object->name);
+    }
     plan_sides(parts, structure, &midline, atlas);
     place_by_midline(own, &midline, atlas, inner->at);
     bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);

@@ -67,7 +67,8 @@ void plan_centroid(double out[4], const struct plan_constraint *structure);
 
 /** Refuses the inner point of a structure of which 20 % or more lie on each side (frame_midline()), and whose object
  * says no side: nobody has chosen one. One that is nearer to the midline than half its depth is fine, in an atlas some
- * of whose areas have a side. CONUS_ERROR_ARGUMENT with both volumes and the way on; CONUS_ERROR_MEMORY. */
+ * of whose areas have a side. Where the midline is not known, each without a side is refused. CONUS_ERROR_ARGUMENT
+ * with both volumes and the way on; CONUS_ERROR_MEMORY. */
 conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
                               const conus_atlas *atlas, uint32_t object);
 

@@ -122,6 +122,7 @@ EOF
     map() { # VALUES
         printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 8 1 1' 'space: RAS' \
             'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' "$1" >map.nrrd
+        sed -i "s/sizes: 8/sizes: $(wc -w <<<"$1")/" map.nrrd
     }
     map '0 0.0005 0.2 0.3 0.5 0.7 1 0'
     run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.001
@@ -133,6 +134,13 @@ the large ones; such a map is asked as 1 - p, or as its z values"* ]]
     answers overlap nested.nii.gz map.nrrd --threshold 0.001
     map '0 1 1 1 1 1 1 0' # a mask
     answers overlap nested.nii.gz map.nrrd --threshold 0.05
+    even=$(awk 'BEGIN { for (i = 0; i < 40; i++) printf "%g ", (i + 0.5) / 40 }') # as p is without an effect
+    map "$even"
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.25
+    [[ "$stderr" == *"map.nrrd: the region is 75 % of the voxels"*"of a map of p values it has the large ones"* ]]
+    answers overlap nested.nii.gz map.nrrd --threshold 0.6 # 1 - p is asked so
+    map "$(awk 'BEGIN { for (i = 0; i < 40; i++) printf "%g ", i < 30 ? 0.9 + i / 300 : (i - 30) / 40 + 0.01 }')" # a tissue's
+    answers overlap nested.nii.gz map.nrrd --threshold 0.25
 }
 
 @test "a message says where atlas and region have changed places" {

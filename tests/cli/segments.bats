@@ -35,6 +35,19 @@ shanks() {
     [ "$(jq -r '.entry_mm.Units' rows.json)" = mm ]
 }
 
+# The arm begins at x = 22, and an axis at 24.5 2.5 mm before it.
+@test "rows of needles say that one begins outside of all objects" {
+    u_shape
+    printf 'name,entry_x,entry_y,entry_z,target_x,target_y,target_z\nA,22,0,5,-18,0,5\nB,24.5,0,5,-18,0,5\n' >needles.csv
+    run -0 --separate-stderr conus query u-shape.nii.gz --pose needles.csv --segments rows.tsv
+    [[ "$stderr" == "conus: note: 1 axis begins outside of the atlas's objects (the first in line 3, 2.50 mm before one): \
+depths are from where an axis begins, not from the surface" ]]
+    run -0 --separate-stderr conus query u-shape.nii.gz --pose needles.csv --segments rows.tsv -q --force
+    [ -z "$stderr" ]
+    run -0 --separate-stderr conus query --force $AXIS --range 0,80 --segments rows.tsv # no needle
+    [ -z "$stderr" ]
+}
+
 @test "without a range the last object is the last row, and nothing has one row" {
     u_shape
     answers query $AXIS --segments - --format tsv -q

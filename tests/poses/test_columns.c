@@ -191,6 +191,8 @@ static void spaces_are_heard(void **state)
         {"# coordinates in native scanner space\n-42 -20 50\n", POSE_BRAIN_SUBJECT, -42},
         {"# Siemens scanner, head first\n-42 -20 50\n", POSE_BRAIN_UNKNOWN, -42},
         {"# surface RAS\n-42 -20 50\n", POSE_BRAIN_OTHER, -42},
+        {"# positions on the macaque brain\n-42 -20 50\n", POSE_BRAIN_ANIMAL, -42},
+        {"# MNI coordinates of the human homologue of macaque F5\n-42 -20 50\n", POSE_BRAIN_MNI152, -42},
         {"x,y,z\n-42,-20,50\nNote: coordinates are in Talairach space\n", POSE_BRAIN_TALAIRACH, -42},
         {"# positions in LPS space\n42 20 50\n", POSE_BRAIN_UNKNOWN, -42},
         {"# positions are in cm\n-4.2 -2 5\n", POSE_BRAIN_UNKNOWN, -42},
@@ -213,6 +215,21 @@ static void spaces_are_heard(void **state)
             assert_true(!any || list->space.brain == POSE_BRAIN_UNKNOWN);
             conus_pose_list_destroy(list);
         }
+    }
+}
+
+/* A file that names MNI and an animal may be in either. */
+static void two_brains_are_refused(void **state)
+{
+    (void)state;
+    static const char *const lists[] = {"# MNI; regions as in the macaque brain\n-42 -20 50\n",
+                                        "# macaque coordinates\n# converted to MNI\n-42 -20 50\n",
+                                        "# mouse template\nmni_x,mni_y,mni_z\n-42,-20,50\n"};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
+        pose_text_refuse(text_from(lists[i]), NULL, "positions are said to be in MNI, and to be in \"m");
+        conus_pose_list *list = pose_text_parse(text_from(lists[i]), &(conus_pose_options){.any_space = true});
+        assert_int_equal(list->space.brain, POSE_BRAIN_UNKNOWN);
+        conus_pose_list_destroy(list);
     }
 }
 
@@ -636,6 +653,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(poses_by_their_headers),
         cmocka_unit_test(what_can_be_read_in_two_ways_is_refused),
         cmocka_unit_test(spaces_are_heard),
+        cmocka_unit_test(two_brains_are_refused),
         cmocka_unit_test(positions_of_mni305_stay_on_their_atlas),
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(electrodes_say_their_side),

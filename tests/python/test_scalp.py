@@ -157,6 +157,87 @@ def test_a_query_takes_the_position_of_the_scalp(tmp_path):
         assert b"identical" in call_conus("verify", tmp_path / result).stdout
 
 
+def test_a_batch_takes_positions_of_the_scalp(tmp_path):
+    shape, landmarks = make("head")
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes, shape.centre))
+    labels = np.zeros((40, 40, 40), "u1")
+    labels[10:30, 10:30, 10:30] = 1 + np.arange(20)[:, None, None] // 5
+    nibabel.Nifti1Image(labels, np.array([[5, 0, 0, -98], [0, 5, 0, -114], [0, 0, 5, -92], [0, 0, 0, 1.0]])).to_filename(tmp_path / "own.nii")
+    scalp, names = option(tmp_path / "scalp.surf.gii", landmarks), ("C3", "F4", "Pz")
+    (tmp_path / "caps.txt").write_text("".join(name + "\n" for name in names))
+    aim = ["--inward", "--scalp", scalp, "--angle", "20", "-q"]
+    call_conus("batch", tmp_path / "own.nii", "--poses", tmp_path / "caps.txt", *aim, "-o", tmp_path / "batch.tsv")
+    rows = [line.split("\t", 1) for line in (tmp_path / "batch.tsv").read_text().split("\n")[1:] if line]
+    for name in names:
+        answer = call_conus("query", tmp_path / "own.nii", "--origin", name, *aim, "--format", "tsv").stdout.decode()
+        wanted = [line.split("\t", 1)[1] for line in answer.split("\n")[1:] if line]
+        assert [row for row in rows if row[0] == name] == [[name, line] for line in wanted], name
+    assert "on a scalp by sections" in " ".join(call_conus("cite", tmp_path / "batch.tsv").stdout.decode().split())
+    assert b"identical" in call_conus("verify", tmp_path / "batch.tsv").stdout
+    assert "scalp.surf.gii" in " ".join(str(file) for file in json.loads((tmp_path / "batch.json").read_text())["Inputs"])
+    call_conus("batch", tmp_path / "own.nii", "--poses", tmp_path / "caps.txt", *aim, "--shard", "all/2", "-o", tmp_path / "parts.tsv")
+    assert (tmp_path / "parts.tsv").read_text() == (tmp_path / "batch.tsv").read_text()
+    done = subprocess.run([os.environ["CONUS"], "batch", tmp_path / "own.nii", "--poses", tmp_path / "caps.txt", "--scalp", scalp],
+                          capture_output=True, check=False)
+    assert done.returncode == 2 and b"--scalp has no effect without --inward" in done.stderr, done.stderr
+    (tmp_path / "xyz.csv").write_text("x,y,z\n-60,-15,60\n60,-15,60\n")  # which a scalp does not move
+    done = subprocess.run([os.environ["CONUS"], "batch", tmp_path / "own.nii", "--poses", tmp_path / "xyz.csv", *aim],
+                          capture_output=True, check=False)
+    assert done.returncode == 3 and b"no names of a cap's" in done.stderr, done.stderr
+    (tmp_path / "target.txt").write_text("x y z\n0 -14 8\n")
+    needles = ["--toward", tmp_path / "target.txt", "--depth", "target", "--reach", "3", "--scalp", scalp, "-q", "--format", "tsv"]
+    plan = call_conus("plan", tmp_path / "own.nii", "--from", tmp_path / "caps.txt", *needles).stdout.decode().split("\n")
+    at = call_conus("positions", *names, "--scalp", scalp, "--format", "tsv").stdout.decode().split("\n")
+    entries = {line.split("\t")[0]: line.split("\t")[6:9] for line in plan[1:] if line}
+    assert entries == {line.split("\t")[0]: line.split("\t")[1:4] for line in at[1:] if line}
+    done = subprocess.run([os.environ["CONUS"], "plan", tmp_path / "own.nii", "--from", tmp_path / "scalp.surf.gii", *needles],
+                          capture_output=True, check=False)
+    assert done.returncode == 2 and b"--scalp has no effect" in done.stderr, done.stderr
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes * 1.02, shape.centre))
+    assert subprocess.run([os.environ["CONUS"], "verify", tmp_path / "batch.tsv"], capture_output=True, check=False).returncode
+
+
+def test_landmarks_come_from_a_coordsystem(tmp_path):
+    shape, landmarks = make("head")
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes, shape.centre))
+    path = tmp_path / "sub-01_coordsystem.json"
+    whole = option(tmp_path / "scalp.surf.gii", landmarks)
+    inion = "inion=" + ":".join(f"{v:.9g}" for v in landmarks["Iz"])
+    short = f"{tmp_path / 'scalp.surf.gii'},landmarks={path}"
+
+    def state(scale, **keys):
+        points = {ours: list(landmarks[name] / scale) for ours, name in (("NAS", "Nz"), ("LPA", "LPA"), ("RPA", "RPA"))}
+        path.write_text(json.dumps({"EEGCoordinateSystem": "ScanRAS", "EEGCoordinateUnits": {1: "mm", 10: "cm", 1000: "m"}[scale],
+                                    "AnatomicalLandmarkCoordinates": points, **keys}))
+
+    def ask(scalp):
+        done = subprocess.run([os.environ["CONUS"], "positions", "C3", "F4", "--scalp", scalp, "--format", "tsv", "-q"],
+                              capture_output=True, check=False)
+        return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+    wanted = ask(whole)
+    assert wanted[0] == 0
+    for scale in (1, 10, 1000):
+        state(scale)
+        code, out, said = ask(short + "," + inion)
+        found, true = (np.array([line.split("\t")[1:10] for line in text.split("\n")[1:3]], float) for text in (out, wanted[1]))
+        assert code == 0 and np.allclose(found, true, atol=1e-5), said
+    code, _, said = ask(short)
+    assert code == 2 and f"inion is missing in {path}" in said, said
+    state(1, AnatomicalLandmarkCoordinates={"nasion": list(landmarks["Nz"]), "Inion": list(landmarks["Iz"]), "LPA": list(landmarks["LPA"]),
+                                            "RPA": list(landmarks["RPA"])})
+    assert ask(short)[:2] == wanted[:2]
+    for keys, message in (({"EEGCoordinateSystem": "CTF"}, '"CTF" is not the world of an image'),
+                          ({"AnatomicalLandmarkCoordinateSystem": "CapTrak"}, '"CapTrak" is not the world of an image'),
+                          ({"EEGCoordinateUnits": "n/a"}, "allowed are mm, cm and m"), ({"AnatomicalLandmarkCoordinates": []}, "no Anatomical"),
+                          ({"AnatomicalLandmarkCoordinates": {"NAS": [1, 2]}}, "NAS: three numbers are needed")):
+        state(1, **keys)
+        code, _, said = ask(short + "," + inion)
+        assert code == 3 and message in said, said
+    path.unlink()
+    assert ask(short + "," + inion)[0] == 3
+
+
 def test_other_scalps_are_refused(tmp_path):
     shape, landmarks = make("head")
     points, triangles = ellipsoid(shape.axes, shape.centre)

@@ -161,6 +161,8 @@ static void what_is_refused(void **state)
         {"A,tip=3", KEYS_REACH, "tip: no value is allowed"},
         {"A,part=3:1", KEYS_REACH, "part: found \"3:1\""},
         {",length=3", KEYS_REACH, "\",length=3\" names no structure"},
+        {",most=2", KEYS_ARCS, "\",most=2\" names no degrees"},
+        {",nasion=1:2:3", KEYS_SCALP, "\",nasion=1:2:3\" names no file"},
         {"f,unit=mm,sides=no", KEYS_POSES, "sides: found \"no\", allowed is anyway"},
     };
     struct source_keys keys;

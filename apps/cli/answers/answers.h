@@ -102,6 +102,7 @@ struct asked {
     double step;                   /**< mm, of --profile */
     conus_tolerance_options pivot; /**< of --tolerance */
     const conus_together *together;
+    double *lead;      /**< mm from the beginning of an axis to its first object, where rows of segments say so. */
     conus_table *made; /**< A table that is there already; the files end it. NULL = none. */
     const char *made_of;
 };

@@ -178,6 +178,9 @@ static json_t *json_from_record(const struct batch_record *record)
         json_object_set_new(batch, "coordsystem_file", system ? system : json_null());
         json_object_set_new(batch, "coordsystem_file_sha256", json_string(record->coordsystem_hash));
     }
+    if (record->scalp[0]) {
+        json_object_set_new(batch, "head", json_string("own"));
+    }
     return batch;
 }
 
@@ -192,7 +195,8 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
     if (root && json_object_set_new(root, "Batch", json_from_record(record)) == 0 &&
         json_object_set_new(program, "CommandLine", words ? words : json_null()) == 0 &&
         provenance_put_input(root, record->level_file) && provenance_put_input(root, record->weight_files[0]) &&
-        provenance_put_input(root, record->weight_files[1]) && provenance_put_input(root, record->probe_file) &&
+        provenance_put_input(root, record->weight_files[1]) && provenance_put_input(root, record->scalp[0]) &&
+        provenance_put_input(root, record->scalp[1]) && provenance_put_input(root, record->probe_file) &&
         json_object_set_new(root, "Question", question_json(question)) == 0 && provenance_put_warnings(root) &&
         provenance_seal(root)) {
         char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));

@@ -79,6 +79,7 @@ static const struct option run_options[] = {
 
 const struct option_group batch_groups[] = {
     {"Where the cones are", pose_options, 0},
+    {"", scalp_options, offsetof(struct batch_settings, aim)},
     {"", aperture_options, offsetof(struct batch_settings, aim)},
     {"", space_options, offsetof(struct batch_settings, aim.space)},
     {"", pose_file_options, offsetof(struct batch_settings, file)},

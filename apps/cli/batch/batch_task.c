@@ -39,7 +39,8 @@ struct task {
     uint64_t total; /* poses in the file, where parts of it are answered */
     struct atlases atlases;
     conus_frame frame;          /* the space of positions */
-    struct named_places places; /* how the question was understood */
+    struct named_places places; /* how the question was understood, and the scalp */
+    char *scalp[2];             /* its file, and that of its landmarks */
     conus_row_marks marks;      /* what tells rows apart */
     struct kept_names kept;     /* from --keep */
     conus_probe *probe;         /* from --probe; NULL = none */
@@ -139,6 +140,7 @@ static conus_pose_options pose_options(const struct task *task)
     const conus_atlas *atlas = task->atlases.count ? task->atlases.items[0].atlas : NULL;
     conus_pose_options options = pose_settings_options(&settings->file, &settings->aim, &settings->engine, &task->frame,
                                                        atlas, settings->atlas.max_memory);
+    options.scalp = task->places.scalp;
     options.keep = task->kept.at;
     options.keep_count = task->kept.count;
     options.all_rows = format_is(task->format, "bids") || format_of(task->format)->is_of_probe;
@@ -238,6 +240,10 @@ static int open_task(struct task *task)
         code ? code : atlases_load_all(&task->atlases, &atlas, &settings->context); /* open_poses() asks their size */
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
+    code = code ? code : settings_scalp(&task->places.scalp, task->scalp, &settings->aim, &task->frame);
+    code = code ? code
+                : settings_scalp_match(task->places.scalp, &task->atlases, settings->file.any_space,
+                                       settings->common.quiet);
     code = code ? code : open_poses(task);
     code = code ? code : check_files(task);
     return code ? code : match_stream(task, &settings->common);
@@ -412,9 +418,9 @@ static int identify(struct task *task)
     int length =
         snprintf(angle, sizeof angle, "%.17g%s%s", settings->aim.angle, task->marks.has_number ? " marked" : "",
                  settings->keep.columns ? settings->keep.columns : "");
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 4; i++) {
         char hash[65] = "";
-        const char *file = settings->engine.weight_file[i];
+        const char *file = i < 2 ? settings->engine.weight_file[i] : task->scalp[i - 2];
         int failed = file ? provenance_hash_file(hash, file) : EXIT_DONE;
         if (failed) {
             return failed;
@@ -635,6 +641,7 @@ static int finish_file(struct task *task)
         .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
         .level_file = settings_level_file(&task->settings->engine),
         .weight_files = task->settings->engine.weight_file,
+        .scalp = task->scalp,
         .probe_file = task->settings->probe.path,
         .contacts = conus_probe_contact_count(task->probe),
         .angle = settings_angle(&task->settings->aim, &task->settings->engine),
@@ -949,6 +956,8 @@ static void finish_task(struct task *task)
     conus_probe_destroy(task->probe);
     free(task->path);
     free(task->sidecar);
+    free(task->scalp[0]);
+    free(task->scalp[1]);
 }
 
 int batch_answer(const struct batch_settings *settings, const struct arguments *arguments)

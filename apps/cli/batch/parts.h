@@ -50,6 +50,7 @@ struct batch_record {
     const char *coordsystem_hash;  /**< its SHA-256, */
     const char *level_file;        /**< The list of areas, "--level @FILE"; NULL = none. */
     char *const *weight_files;     /**< [2] Tables of --weight and --prior; NULL = none. */
+    char *const *scalp;            /**< [2] The files of --scalp and its landmarks; NULL = none. */
     const char *probe_file;        /**< The probe that was put at each pose; NULL = none; */
     size_t contacts;               /**< and how many contacts it has. */
     double angle;                  /**< and the angle of poses without one, degrees; */

@@ -319,7 +319,7 @@ static void objects_of_one_file_say_it_once(void **state)
     const struct wanted wanted[] = {
         {CONUS_SEVERITY_NOTE, "two.obj", "the surface is not closed"},
         {CONUS_SEVERITY_NOTE, "two.obj",
-         "does not state its space; RAS was taken; behind FILE ',space=lps' says LPS, as AFNI writes it, "
+         "does not state its space; RAS was taken; ',space=lps' behind FILE says LPS, as AFNI writes it, "
          "',space=IMAGE' the mm of FSL's IMAGE"},
     };
     write_text("two.obj", "o A\nv 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\no B\nv 0 0 5\nv 9 0 5\nv 0 9 5\nf 4 5 6\n");

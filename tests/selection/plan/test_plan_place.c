@@ -71,6 +71,15 @@ static int close_atlas(void **state)
     return 0;
 }
 
+/* Moves the voxels: x of the first one's centre, and of the next. */
+static void place_voxels(conus_atlas *own, double first, double step)
+{
+    struct volume *volume = &own->volumes[0];
+    volume->info.world_from_voxel[0] = step;
+    volume->info.world_from_voxel[12] = first;
+    assert_true(mat4_invert_affine(volume->voxel_from_world, volume->info.world_from_voxel));
+}
+
 static void say_space(const char *transform, int code)
 {
     atlas->volumes[0].info.space_code = code;
@@ -197,8 +206,48 @@ static void without_sides_the_midline_is_no_excuse(void **state)
     conus_place place;
     assert_ok(area_rows_atlas(&own, (const size_t[]){6, 5, 5}, labels, one));
     assert_fails(conus_place_find(&place, own, "Gyrus", NULL), CONUS_ERROR_ARGUMENT);
-    assert_non_null(strstr(conus_message(), "lies on both sides"));
+    assert_string_equal(conus_message(),
+                        "Gyrus lies on both sides: 0.07 cm3 left, 0.07 cm3 right; type --hemispheres split, and as the "
+                        "name \"Gyrus left\" or \"Gyrus right\"; centroid:Gyrus is its middle, which lies in it");
+    assert_ok(conus_place_find(&place, own, "centroid:Gyrus", NULL));
+    assert_true(place.point[0] == 0);
     conus_atlas_destroy(own);
+}
+
+/* BrainGlobe's rats and fish count x from a corner of the grid, and their areas lie on both sides of its middle. */
+static void where_left_ends_may_not_be_known(void **state)
+{
+    (void)state;
+    static const struct area_row some[] = {
+        {1, "Cortex", 0, NULL, 0}, {2, "Core_L", 0, NULL, 0}, {3, "Core_R", 0, NULL, 0}, {0}};
+    static uint32_t labels[12 * 3 * 3];
+    for (size_t i = 0; i < 12 * 3 * 3; i++) {
+        labels[i] = i % 12 < 4 || i % 12 > 7 ? 1 : i % 12 < 6 ? 2 : 3;
+    }
+    static const struct {
+        double first; /* x of the first voxel's centre, in voxels of 1 mm */
+        double step;
+        int code;
+        bool is_known;
+    } grids[] = {
+        {-0.5, -1, 0, false}, {0, 1, 0, false}, {0, 1, 4, true}, {-40, 1, 0, true}, /* a part of a larger image */
+    };
+    for (size_t g = 0; g < sizeof grids / sizeof *grids; g++) {
+        conus_atlas *own = NULL;
+        conus_place place;
+        assert_ok(area_rows_atlas(&own, (const size_t[]){12, 3, 3}, labels, some));
+        place_voxels(own, grids[g].first, grids[g].step);
+        own->volumes[0].info.space_code = grids[g].code;
+        conus_status status = conus_place_find(&place, own, "Cortex", NULL);
+        assert_int_equal(status, grids[g].is_known ? CONUS_OK : CONUS_ERROR_ARGUMENT);
+        if (status) {
+            assert_string_equal(conus_message(),
+                                "Cortex may lie on both sides: x = 0 is an edge of the atlas's grid, and so it is not "
+                                "known where left ends; choose a side by a point of it");
+        }
+        assert_ok(conus_place_find(&place, own, "Core_L", NULL)); /* it says its side */
+        conus_atlas_destroy(own);
+    }
 }
 
 /* The midline of the CCF is ML 5700 um, wherever the corner of the grid is. */
@@ -213,8 +262,9 @@ static void the_ccf_has_its_own_midline(void **state)
     conus_atlas *own = NULL;
     conus_place place;
     assert_ok(area_rows_atlas(&own, (const size_t[]){12, 3, 3}, labels, one));
-    own->volumes[0].info.world_from_voxel[12] = 0; /* x from 0 to 11 mm */
-    assert_ok(conus_place_find(&place, own, "VISp", NULL));
+    place_voxels(own, 0, 1); /* x from 0 to 11 mm */
+    assert_fails(conus_place_find(&place, own, "VISp", NULL), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "it is not known where left ends"));
     own->has_ccf = true;
     mat4_identity(own->own_from_ccf); /* x = ML - 0.2 mm, y = -AP, z = -DV */
     const double m[16] = {0, -1e-3, 0, 0, 0, 0, -1e-3, 0, 1e-3, 0, 0, 0, -0.2, 0, 0, 1};
@@ -402,7 +452,9 @@ static void the_sides_of_a_surface_are_measured(void **state)
             assert_ok(status); /* 9 % */
         } else {
             assert_fails(status, CONUS_ERROR_ARGUMENT);
-            assert_string_equal(conus_message(), "Box lies on both sides: 4.00 cm3 left, 12.00 cm3 right");
+            assert_string_equal(
+                conus_message(),
+                "Box lies on both sides: 4.00 cm3 left, 12.00 cm3 right; centroid:Box is its middle, which lies in it");
         }
         notes_finish(&notes);
         conus_atlas_destroy(own);
@@ -519,6 +571,7 @@ TEST_GROUP(plan_place)
         cmocka_unit_test(an_area_on_both_sides_is_refused),
         cmocka_unit_test(an_area_beside_the_midline_is_refused),
         cmocka_unit_test(without_sides_the_midline_is_no_excuse),
+        cmocka_unit_test(where_left_ends_may_not_be_known),
         cmocka_unit_test(the_ccf_has_its_own_midline),
         cmocka_unit_test(a_position_is_one_of_a_cap),
         cmocka_unit_test(several_areas_that_have_a_position_are_refused),
