@@ -13,7 +13,7 @@ SIZE(conus_pathway_options, 72);
 SIZE(conus_context_options, 48);
 SIZE(conus_context_map_options, 64);
 SIZE(conus_transform_options, 72);
-SIZE(conus_pose_options, 168);
+SIZE(conus_pose_options, 176);
 SIZE(conus_probe_options, 24);
 SIZE(conus_probe_contact, 88);
 SIZE(conus_selector_options, 120);
