@@ -576,7 +576,7 @@ store() {
         [connect]="atlas/nested.nii.gz --streamlines lines.tck" [plan]="atlas/sphere.nii.gz --poses needles.tsv --reach Sphere"
         [calibrate]="atlas/sphere.nii.gz --poses poses.tsv --weight hard" [positions]="C3")
     local -A needs=([prior]="--weight hard" [context]="--context-blocks 1" [given]="--needles needles.tsv" [world-from-tracker]="--listen 1")
-    local -A instead=([query scalp]="atlas/sphere.nii.gz --origin 0,-100,0 --inward" [sweep scalp]="atlas/sphere.nii.gz --origin 0,-100,0 --inward" [calibrate prior]="atlas/sphere.nii.gz --poses poses.tsv" [plan from]="atlas/sphere.nii.gz --toward 0,0,0 --reach Sphere" [plan toward]="atlas/sphere.nii.gz --from needles.tsv --reach Sphere")
+    local -A instead=([query scalp]="atlas/sphere.nii.gz --origin 0,-100,0 --inward" [sweep scalp]="atlas/sphere.nii.gz --origin 0,-100,0 --inward" [batch scalp]="atlas/sphere.nii.gz --poses poses.tsv --inward" [plan scalp]="atlas/sphere.nii.gz --from needles.tsv --toward 0,0,0 --reach Sphere" [calibrate prior]="atlas/sphere.nii.gz --poses poses.tsv" [plan from]="atlas/sphere.nii.gz --toward 0,0,0 --reach Sphere" [plan toward]="atlas/sphere.nii.gz --from needles.tsv --reach Sphere")
     conus help --json | jq -r '.commands[] | select(.answers) | .name as $command | .options[]
         | select(.role != "ends" and (.type == "text" or .type == "list"))
         | [$command, .name, (.excludes // [] | index("origin") == null), .role] | @tsv' >options
