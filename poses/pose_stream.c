@@ -635,7 +635,7 @@ static void open_text(struct job *job, conus_pose_stream *stream)
                 stream->options.columns);
     }
     if (stream->options.scalp && !stream->columns.place) {
-        job_bad(job, "it has positions, and no names of a cap's, like C3, which alone are found on a scalp");
+        job_bad(job, "--scalp is for names of a cap, like C3, and these are positions: take --scalp out");
     }
     if (job_ok(job) && is_whole) {
         read_whole(job, stream);

@@ -560,6 +560,9 @@ static bool read_covers(struct planner *planner)
         if (!names || !option_cut_keys(&keys, "cover", names, KEYS_COVER)) {
             return names ? false : print_no_memory() == EXIT_DONE;
         }
+        if (!constraint_ends_in_name("cover", names, "contacts", "is how many")) {
+            return false;
+        }
         planner->covers[planner->options.cover_count++] =
             (conus_cover){names, (uint64_t)keys_value(&keys, KEY_CONTACTS)->numbers[0]};
     }

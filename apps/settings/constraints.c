@@ -114,22 +114,25 @@ static bool read_keys(conus_constraint *out, char *text)
     return !(keys.given & KEY_BIT(KEY_SHANK)) || read_shank(out, option, keys_string(&keys, KEY_SHANK));
 }
 
+bool constraint_ends_in_name(const char *option, const char *names, const char *key, const char *means)
+{
+    double number;
+    const char *last = strrchr(names, ',');
+    last = last ? last + 1 + strspn(last + 1, " ") : "";
+    bool begins_with_number = strspn(names, "0123456789") == strcspn(names, ",");
+    return begins_with_number || !number_parse(last, &number) ||
+           refuse("--%s: \"%s\" ends in a number: %s=%s %s, and an area's label behind a name stands in double quotes",
+                  option, names, key, last, means);
+}
+
 /* NAMES with keys behind them. */
 static bool read_structure(conus_constraint *out, char *text)
 {
-    const char *option = constraint_options[out->kind].name;
-    double number;
+    const bool is_avoid = out->kind == CONUS_CONSTRAINT_AVOID;
     out->names = text;
-    if (!read_keys(out, text)) {
-        return false;
-    }
-    const char *last = strrchr(text, ',');
-    last = last ? last + 1 + strspn(last + 1, " ") : "";
-    bool begins_with_number = strspn(text, "0123456789") == strcspn(text, ",");
-    return out->kind == CONUS_CONSTRAINT_FIRST || begins_with_number || !number_parse(last, &number) ||
-           refuse("--%s: \"%s\" ends in a number: %s=%s is in mm, and an area's label behind a name stands in "
-                  "double quotes",
-                  option, text, out->kind == CONUS_CONSTRAINT_AVOID ? "margin" : "length", last);
+    return read_keys(out, text) &&
+           (out->kind == CONUS_CONSTRAINT_FIRST || constraint_ends_in_name(constraint_options[out->kind].name, text,
+                                                                           is_avoid ? "margin" : "length", "is in mm"));
 }
 
 static bool read_length(conus_constraint *out, char *text)
@@ -300,7 +303,8 @@ int constraints_take_contacts(struct constraints *constraints, const char *text,
     }
     return code || are_used || !text
                ? code
-               : print_usage_error("--contacts has no effect without --reach NAME,contacts=N or NAME,probability=P");
+               : print_usage_error(
+                     "--contacts has no effect without --reach NAME,contacts=N or NAME,probability=P, or --cover");
 }
 
 conus_measure constraints_last_measure(const struct constraints *constraints)

@@ -164,10 +164,11 @@ int pose_settings_check_file(const char *path, const char *option, const struct 
     }
     const char *first = arguments->operands[0];
     return is_atlas(first)
-               ? print_data_error("%s: is an atlas by its name, not a file of poses; a table has another ending", path)
+               ? print_data_error(
+                     "%s: is an atlas by its name, not a file of poses; a table of points is called .csv or .tsv", path)
                : print_data_error(
                      "%s: is an atlas by its name, not a file of poses; the atlas comes first: conus %s %s "
-                     "--%s %s; a table has another ending",
+                     "--%s %s; a table of points is called .csv or .tsv",
                      path, arguments->command->name, path, option, first);
 }
 

@@ -378,6 +378,28 @@ conus_position_options settings_stance(const struct aim_settings *settings, cons
     return (conus_position_options){.off = settings->off, .handle = settings->handle, .has_handle = has_handle};
 }
 
+/* Warns of landmarks that lie off the scalp: its nearest points move all positions. */
+static conus_status warn_of_landmarks(const conus_scalp *scalp, const double landmarks[4][3])
+{
+    static const char *const names[] = {"Nz", "Iz", "LPA", "RPA"};
+    static const double FAR = 5; /* mm; what a finger or a click in a scan misses by */
+    conus_table *on = NULL;
+    conus_status status = conus_positions(&on, names, 4, &(conus_position_options){.scalp = scalp});
+    for (size_t k = 0; k < 4 && !status; k++) {
+        const double *p = landmarks[k];
+        const double mm = hypot(hypot(conus_table_numbers(on, "x")[k] - p[0], conus_table_numbers(on, "y")[k] - p[1]),
+                                conus_table_numbers(on, "z")[k] - p[2]);
+        if (mm > FAR) {
+            say_note(CONUS_SEVERITY_WARNING, false,
+                     "--scalp: %s lies %.0f mm from the surface, and its nearest point is taken: positions may be as "
+                     "far off",
+                     names[k], mm);
+        }
+    }
+    conus_table_destroy(on);
+    return status;
+}
+
 int settings_scalp(conus_scalp **out, char *paths[2], const struct aim_settings *settings, const conus_frame *frame)
 {
     static const char *const names[] = {"nasion", "inion", "lpa", "rpa"};
@@ -406,7 +428,8 @@ int settings_scalp(conus_scalp **out, char *paths[2], const struct aim_settings 
                                      names[k], paths[1] ? " in " : "", paths[1] ? paths[1] : "");
         }
     }
-    return print_status(status ? status : conus_scalp_load(out, paths[0], (const double(*)[3])landmarks));
+    status = status ? status : conus_scalp_load(out, paths[0], (const double(*)[3])landmarks);
+    return print_status(status ? status : warn_of_landmarks(*out, (const double(*)[3])landmarks));
 }
 
 /* The root mean square distance, mm, of the scalp's positions from those of MNI 152. */

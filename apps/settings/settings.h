@@ -529,6 +529,8 @@ struct constraint_settings {
 /** Reads the options about constraints, if there are any. @p out is the caller's to constraints_finish() in any case.
  */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
+/** Whether names of areas do not end in a number, which looks like @p key=NUMBER and @p means so; else prints so. */
+bool constraint_ends_in_name(const char *option, const char *names, const char *key, const char *means);
 /** Gives the contacts of --contacts, NULL = not given, to the constraints that count them; @p are_used: others do. */
 int constraints_take_contacts(struct constraints *constraints, const char *text, bool are_used);
 /** Whether there are any; @p arguments may be NULL. */

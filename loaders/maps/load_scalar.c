@@ -337,10 +337,10 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
     }
 }
 
-/* A note where a region looks like the large values of a map of p values, whose small ones are meant: all values are
+/* Warns where a region looks like the large values of a map of p values, whose small ones are meant: all values are
  * from 0 to 1, and the threshold takes most of those that are not 0, which are no mask's. One at which p is seldom cut
  * might be of a map of probabilities; p is even where there is no effect, so each tenth above the first has some. */
-static void note_p_values(struct job *job, const conus_volume_info *info, const float *values)
+static void warn_of_p_values(struct job *job, const conus_volume_info *info, const float *values)
 {
     static const double CUT = 0.1;   /* p is seldom cut above */
     static const double LEAST = 0.5; /* of what even values have */
@@ -365,7 +365,7 @@ static void note_p_values(struct job *job, const conus_volume_info *info, const 
         is_even = is_even && TENTHS * (double)tenths[i] >= LEAST * (double)some;
     }
     if (low > 0 && low < high && high <= 1 && 2 * taken > some && (info->threshold <= CUT || is_even)) {
-        job_note(
+        job_warn(
             job,
             "%s: the region is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
             "values it has the large ones; such a map is asked as 1 - p, or as its z values",
@@ -379,7 +379,7 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
     float *values = volume_values_or_nan(job, file);
     file->info.threshold = threshold;
     if (values) {
-        note_p_values(job, &file->info, values);
+        warn_of_p_values(job, &file->info, values);
     }
     if (!JOB_CALL(job, roi_create(out, &file->info, values))) {
         memory_free(values);

@@ -33,7 +33,8 @@ static struct pose_space find_space(struct job *job, struct text name)
         if (text_equal_ignoring_case(name, others[i])) {
             job_bad(job,
                     "CoordinateSystem \"%s\" is not the world of an image, but a head's, a device's or a "
-                    "photograph's own: positions in the scan's space or in MNI are needed",
+                    "photograph's own: positions in the scan's space or in MNI are needed; another word in its place "
+                    "converts nothing",
                     others[i]);
         }
     }

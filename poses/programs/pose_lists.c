@@ -61,7 +61,8 @@ static const struct layout {
     {"", "^Cluster Index\tValue\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
     {"", "^Cluster Index\tZ\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
     {"", "MAX X (vox)",
-     .refused = "clusters of FSL in voxels: run cluster again with --mm, or take FEAT's cluster_*_std.txt"},
+     .refused = "clusters of FSL in voxels: take FEAT's cluster_*_std.txt, or run cluster with --mm on a map in the "
+                "atlas's space"},
     {"", "\tZ-MAX\tZ-MAX X (mm)\t", .separator = '\t', .x = 5}, /* FEAT: before COPE-MAX */
     /* Peaks and foci */
     {"", "\nPeak MNI coordinate:", .rows = "Peak MNI coordinate:", .space = "MNI (xjView)", .brain = POSE_BRAIN_MNI152,
@@ -88,8 +89,8 @@ static const struct layout {
     {"", "^x,y,z,t,label", .separator = ',', .name = 4, .flags = NEEDS_LPS}, /* ANTs */
     {"", "; InputIndex = [",
      .refused =
-         "elastix's outputpoints.txt has each point before and after a transform, in LPS: put the three numbers of "
-         "OutputPoint into lines of their own, and say --space lps"},
+         "elastix's outputpoints.txt has each point before and after a transform, in LPS: where the moving image is in "
+         "the atlas's space, put the three numbers of OutputPoint into lines of their own, and type --space lps"},
     {"", "ITK-SNAP Annotation File", .refused = "landmarks of ITK-SNAP are voxels of an image, not positions in mm"},
     {"", "\\begin{tabular}", .refused = "a table of LaTeX: take its commands and & out, or save it as CSV"},
     {"", "\\toprule", .refused = "a table of LaTeX: take its commands and & out, or save it as CSV"},

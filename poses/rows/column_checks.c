@@ -163,11 +163,10 @@ void columns_hear_words(struct head *head)
                 is_unit ? ",unit=mm" : "");
     }
     if (said->says_mni && (said->space.brain == POSE_BRAIN_ANIMAL || said->space.brain == POSE_BRAIN_MOUSE)) {
-        job_bad(
-            job,
-            "positions are said to be in MNI, and to be in \"%s\": of which brain are they? Keep the word for theirs "
-            "in the file; %s",
-            said->heard, space_any(head->options->space));
+        job_bad(job,
+                "positions are said to be in MNI, and to be in \"%s\": of which brain are they? Take the other word "
+                "out of the file; %s",
+                said->heard, space_any(head->options->space));
     }
     if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
         job_bad(
@@ -309,7 +308,7 @@ static bool judge_sides(const struct census *c, const struct head *head)
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
-        snprintf(why, sizeof why, "%s%.*s%s%s x, or mend the %s", i ? "by column \"" : "", POSE_QUOTE(column),
+        snprintf(why, sizeof why, "%s%.*s%s%s x, or correct the %s", i ? "by column \"" : "", POSE_QUOTE(column),
                  i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
         are_right = are_right || (sides->left && sides->right && !wrong);
         if (head->out->is_of_points) {
@@ -350,10 +349,11 @@ static void judge(const struct census *c, const struct head *head, double longes
     } else if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
                c->farthest <= (of_people ? 1 : 0.02)) {
         job_bad(job,
-                "all positions lie within %s mm of the origin, as if they were in metres: type %s,unit=m; if they are "
-                "mm, %s,unit=mm%s",
-                of_people ? "1" : "0.02", head->out->file, head->out->file,
-                of_people ? "; where x points to the nose (Brainstorm, CTF), bring them to MNI first" : "");
+                "all positions lie within %s mm of the origin, as if they were in metres: %stype %s,unit=m; if they "
+                "are mm, %s,unit=mm",
+                of_people ? "1" : "0.02",
+                of_people ? "where x points to the nose (Brainstorm, CTF), bring them to MNI first; else " : "",
+                head->out->file, head->out->file);
     }
     if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !head->out->has_unit) {
         job_bad(job,
@@ -535,8 +535,8 @@ void sides_check(struct job *job, const struct sides *s, const char *why, const 
     bool is_wrong = (s->left && 2 * s->left_on_right >= s->left) || (s->right && 2 * s->right_on_left >= s->right);
     if (is_wrong && s->left + s->right >= 2) {
         job_bad(job,
-                "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s; if all "
-                "is right, type %s,sides=anyway",
+                "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s; only if "
+                "x and these sides are both right, type %s,sides=anyway",
                 s->left_on_right, s->left, s->right_on_left, s->right, why, file);
     }
 }

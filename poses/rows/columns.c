@@ -63,7 +63,7 @@ static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/o
                              "elevation/tilt/twist/arc/ring/collar/handle/euler/axis";
 
 /* And beside a depth alone, which would be straight down. */
-static const char inclined[] = "angle/inclination/winkel/theta/phi";
+static const char inclined[] = "angle/angles/inclination/winkel/theta/phi/coronal/sagittal";
 
 /* Columns that make balls or cones of rows in other tables than those of BIDS. */
 static const char read_in_tables[] = "radius/near/far/phi/theta";
@@ -591,7 +591,8 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "call the axis into the head dx dy dz (turn its signs where it points out)",
                  FAMILY_SHOWN(head, position));
         FAULT_IF(is_other && !is_of_sensor, head,
-                 "%s beside %s: if they are a direction into the head, call them dx dy dz; a point to look at is tx ty "
+                 "%s beside %s: if they are a direction into the head, call them dx dy dz (turn the signs of one out "
+                 "of it); a point to look at is tx ty "
                  "tz, an axis entry_x entry_y entry_z and target_x target_y target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
@@ -606,10 +607,13 @@ static void refuse_turned(struct head *head, const struct family *position)
             is_one = is_one || text_is_one_of(word, turned, true) ||
                      (is_straight && text_is_one_of(word, inclined, true) && strcmp(head->names[i], "angle") != 0);
         }
+        is_one =
+            is_one || (is_straight && head->out->role_of[i] == ROLES && head->cells[i].numbers &&
+                       (text_mentions(head->line.cells[i], "deg") || text_mentions(head->line.cells[i], "\xc2\xb0")));
         is_one = is_one && (!head->out->is_bids || head->cells[i].numbers); /* else names of shafts */
         for (size_t k = 0; is_one && k < head->family_count; k++) {
             const size_t *at = head->families[k].at;
-            is_one = at[0] != i && at[1] != i && at[2] != i;
+            is_one = !is_whole(&head->families[k]) || (at[0] != i && at[1] != i && at[2] != i);
         }
         const bool is_read = head->out->is_bids && text_is_one_of(text_from(head->names[i]), read_in_tables, true);
         FAULT_IF(is_read && !is_one && head->cells[i].numbers, head,
@@ -620,18 +624,18 @@ static void refuse_turned(struct head *head, const struct family *position)
         }
     }
     (void)JOB_CALL(head->job, buffer_status(&list));
-    FAULT_IF(
-        list.size && is_of_frame, head,
-        "column %s beside %s is of a stereotactic frame, as these are then: bring them to the atlas's space; an axis "
-        "is entry_x entry_y entry_z and target_x target_y target_z",
-        list.data, FAMILY_SHOWN(head, position));
-    FAULT_IF(
-        list.size && !is_of_frame, head,
-        "column %s beside %s is not read: without it the rows are %s; a direction is dx dy dz, a target tx ty tz%s, "
-        "a rotation qw qx qy qz or m00...m33%s",
-        list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
-        head->options->space < CONUS_SPACE_CCF ? "" : ", a tilt tilt_ml and tilt_ap or phi and theta",
-        head->out->is_bids ? ", with --poses-format table here" : "");
+    FAULT_IF(list.size && is_of_frame, head,
+             "column %s beside %s is of a stereotactic frame, and so are these: bring them to the atlas's space (to "
+             "take it out is not enough); an axis "
+             "is entry_x entry_y entry_z and target_x target_y target_z",
+             list.data, FAMILY_SHOWN(head, position));
+    FAULT_IF(list.size && !is_of_frame, head,
+             "column %s beside %s is not read: take it out if the rows are %s; a direction is dx dy dz, a target tx ty "
+             "tz%s, "
+             "a rotation qw qx qy qz or m00...m33%s",
+             list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
+             head->options->space < CONUS_SPACE_CCF ? "" : ", a tilt tilt_ml and tilt_ap or phi and theta",
+             head->out->is_bids ? ", with --poses-format table here" : "");
     buffer_finish(&list);
 }
 
@@ -834,11 +838,11 @@ static void choose_families(struct head *head)
         "phi and theta are angles; those of a cap are not positions: save its name,x,y,z in MNI, in mm; those of a "
         "probe need --space bregma and an atlas of the Allen CCF");
     if (head->lacks_space && position && !named) {
-        FAULT(
-            head,
-            "%s: from AC, PC or MCP, convert them to the atlas's space, and call them x y z (right, front, top); from "
-            "bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with --space bregma or --space ccf",
-            FAMILY_SHOWN(head, position));
+        FAULT(head,
+              "%s: from AC, PC or MCP, bring them to the atlas's space (a shift is not enough), and call them x y z "
+              "(right, front, top); from "
+              "bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with --space bregma or --space ccf",
+              FAMILY_SHOWN(head, position));
     }
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
                  !head->words.tilt[1].size,
@@ -895,8 +899,8 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_DEPTH);
     }
     FAULT_IF(out->has[ROLE_DEPTH], head,
-             "depth needs a direction: add dx dy dz, a target tx ty tz, or tilt_ml tilt_ap; without depth the rows are "
-             "points");
+             "depth needs a direction: add dx dy dz, a target tx ty tz, or tilt_ml tilt_ap; take depth out only if x y "
+             "z are the tips");
     FAULT_IF(out->has[ROLE_NEAR] || out->has[ROLE_FAR], head,
              "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
     if (!named) { /* the user's word is enough */
@@ -1700,7 +1704,8 @@ static void plan_bare(struct head *head)
         job_bad(job,
                 is_table ? "header: \"%.*s\": no names of columns, but the first line of a table has names"
                          : "\"%.*s\": neither names of columns nor three numbers in a line; needed are a header and "
-                           "a line per pose, lines of x y z or of names (of areas, or C3), a 4 x 4 matrix, or another "
+                           "a line per pose, lines of x y z or of names (of areas, or C3; index:17 for a label), a 4 x "
+                           "4 matrix, or another "
                            "program's file",
                 POSE_QUOTE(line));
     } else if (!has_points(head)) {

@@ -149,7 +149,7 @@ void columns_find_places(struct head *head, const char *words)
         FAULT(head, "%s", conus_message());
     }
     if (out->place && !word.size && head->row_count) { /* whose numbers may be coordinates */
-        FAULT(head, "if its names of areas are the places, type '%s,place=%.*s'", out->file,
+        FAULT(head, "to ask at the areas of these names instead, type '%s,place=%.*s'", out->file,
               POSE_QUOTE(head->line.cells[out->place - 1]));
         out->place = 0;
     }

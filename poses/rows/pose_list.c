@@ -300,12 +300,14 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         return notes_warn(notes, "positions are in %s, the atlas in another template (%s): some mm may lie between", at,
                           words);
     default:
-        return fail(CONUS_ERROR_DATA,
-                    "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
-                    "atlas's space%s",
-                    at, words,
-                    brain != CONUS_BRAIN_OWN || is_tkras ? ""
-                    : is_of_frame                        ? ", by way of the scan"
-                                  : ", or take an atlas of that person's scan ('ATLAS,template=none')");
+        return fail(
+            CONUS_ERROR_DATA,
+            "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
+            "atlas's space%s",
+            at, words,
+            brain != CONUS_BRAIN_OWN || is_tkras ? ""
+            : is_of_frame
+                ? ", by way of the scan"
+                : ", or take an atlas made of that person's scan (only that one is typed with ',template=none')");
     }
 }

@@ -24,7 +24,8 @@ enum weight {
 
 enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
-static const char why_origin[] = "counted from a point that is not the atlas's origin; convert them to its space";
+static const char why_origin[] =
+    "counted from a point that is not the atlas's origin; bring them to its space, for which a shift is not enough";
 static const char why_bregma[] =
     "counted from bregma; --space bregma reads them as AP, ML, DV, and needs an atlas of the Allen CCF";
 static const char why_code[] = "a code of axes: AFNI's say where they begin (RAI is LPS), others where they end; turn "

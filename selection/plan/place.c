@@ -217,7 +217,8 @@ static conus_status advise(conus_status status, const struct finding *finding, c
         status = fail_with(status, more);
     }
     if (plan_is_inside(structure, centroid)) {
-        snprintf(more, sizeof more, "; centroid:%.*s is its middle, which lies in it", SHOWN, finding->place.name);
+        snprintf(more, sizeof more, "; centroid:%.*s is one point of it, in the middle of all", SHOWN,
+                 finding->place.name);
         status = fail_with(status, more);
     }
     return status;

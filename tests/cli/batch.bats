@@ -836,7 +836,9 @@ pipe_in() {
     printf 'name,x,y,z,dx,dy,dz,depth\nA,0,0,60,0,0,-1,40\n' >shank.csv
     run -0 --separate-stderr conus query sphere.nii.gz --pose shank.csv
     [[ "$stderr" == *'conus: note: axes that end at a target or a depth are asked as cones of 10 degrees: '* ]]
-    for width in '--radius 1 --layers all' '--angle 12' '--segments -' '-q'; do
+    run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv --segments -
+    [[ "$stderr" == 'conus: note: 1 axis begins outside of the atlas'* ]]
+    for width in '--radius 1 --layers all' '--angle 12' '-q'; do
         # shellcheck disable=SC2086 # words
         run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv $width
         [ -z "$stderr" ]

@@ -203,6 +203,8 @@ column() {
     [[ "$stderr" == *'a.tsv: poses 1 and 2 are both called "a-0"'* ]]
     printf 'needle\tposes\ttilt\nA\ta.tsv\t10,5\n' >tilt.tsv
     fails 2 'tilt.tsv: line 2: --tilt has no effect without --from' plan u-shape.nii.gz --needles tilt.tsv --reach U
+    fails 2 '--cover: "U,3" ends in a number: contacts=3 is how many' plan u-shape.nii.gz --needles one.tsv --reach U \
+        --contacts 4,1,2,1 --cover U,3
 }
 
 # A distance of entries that is named has a combination: 4.0000007 mm apart are 4 mm and not 4.000001 mm.

@@ -117,7 +117,7 @@ EOF
 }
 
 # Of 6 voxels that are not 0, 5 have 0.001 and more.
-@test "a map of p values at a p takes the large ones, and a note says so" {
+@test "a map of p values at a p takes the large ones, and a warning says so" {
     conus phantom nested -o .
     map() { # VALUES
         printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 8 1 1' 'space: RAS' \
@@ -128,7 +128,8 @@ EOF
     run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.001
     [[ "$stderr" == *"map.nrrd: the region is 83.3 % of the voxels that are not 0, and all values are from 0 to 1: of a map of p values it has \
 the large ones; such a map is asked as 1 - p, or as its z values"* ]]
-    answers overlap nested.nii.gz map.nrrd --threshold 0.001 -q
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.001 -q
+    [[ "$stderr" == 'conus: warning: '*'of a map of p values'* ]]
     answers overlap nested.nii.gz map.nrrd --threshold 0.6
     map '0 0.0005 0.2 0.3 0.5 0.7 2.25 0' # no p
     answers overlap nested.nii.gz map.nrrd --threshold 0.001

@@ -80,7 +80,7 @@ first_line() {
     printf 'name,x,y,z\nHippocampus_L,-42,-20,50\n' >both.csv
     [ "$(conus query $AAL --pose both.csv --format tsv -q | sed -n 2p | cut -f 4)" = Postcentral_L ]
     printf 'area,mean,sd,n\nHippocampus_L,1,2,3\n' >means.csv
-    fails 3 "if its names of areas are the places, type 'means.csv,place=area'" query $AAL --pose means.csv
+    fails 3 "to ask at the areas of these names instead, type 'means.csv,place=area'" query $AAL --pose means.csv
     [ "$(conus query $AAL --pose means.csv,place=area --format tsv -q | sed -n 2p | cut -f 4)" = Hippocampus_L ]
 }
 

@@ -550,10 +550,10 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
 @test "a refusal has the file as it is to be typed, with the words that were" {
     sphere --size 16
     printf 'a,b,c\n-0.04,-0.02,0.05\n0.03,0.01,0\n0,-0.09,0\n' >abc.csv
-    fails 3 'metres: type abc.csv,x=a,y=b,z=c,unit=m; if they are mm, abc.csv,x=a,y=b,z=c,unit=mm' \
+    fails 3 'else type abc.csv,x=a,y=b,z=c,unit=m; if they are mm, abc.csv,x=a,y=b,z=c,unit=mm' \
         query sphere.nii.gz --pose abc.csv,x=a,y=b,z=c
     printf 'name,x_lps,y_lps,z_lps\nleft A,-42,-20,50\nright B,38,14,-4\n' >lps.csv # --space cannot turn these
-    fails 3 'right on the left; mend x, or mend the names; if all is right, type lps.csv,sides=anyway' \
+    fails 3 'right on the left; mend x, or correct the names; only if x and these sides are both right, type lps.csv,sides=anyway' \
         query sphere.nii.gz --pose lps.csv
 }
 
@@ -569,7 +569,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     header x,y,z,qw,qx,notes
     fails 3 'only some of the columns qw qx qy qz' query sphere.nii.gz --pose bad.csv
     header x,y,z,a,b,roll
-    fails 3 'column "roll" beside x y z is not read: without it the rows are points; a direction is dx dy dz' query sphere.nii.gz --pose bad.csv
+    fails 3 'column "roll" beside x y z is not read: take it out if the rows are points; a direction is dx dy dz' query sphere.nii.gz --pose bad.csv
     header coil_x,coil_y,coil_z,angle,a,b
     sed -i 's/0,0,0$/7,0,0/' bad.csv
     fails 3 'column "angle" is the opening of a cone, which needs a direction' query sphere.nii.gz --pose bad.csv

@@ -126,14 +126,14 @@ END
     [[ $stderr != *'given as'* ]]
     for command in 'query --pose' 'batch --poses' 'track --poses' 'sweep --pose'; do
         read -r name option <<<"$command"
-        fails 3 "sphere.nii.gz: is an atlas by its name, not a file of poses; the atlas comes first: conus $name sphere.nii.gz $option poses.tsv; a table has another ending" \
+        fails 3 "sphere.nii.gz: is an atlas by its name, not a file of poses; the atlas comes first: conus $name sphere.nii.gz $option poses.tsv; a table of points is called .csv or .tsv" \
             "$name" poses.tsv $option sphere.nii.gz
         fails 3 "bundle.tck: is a tractogram, not a file of poses; --streamlines bundle.tck adds it to the atlas" \
             "$name" sphere.nii.gz $option bundle.tck
     done
     mkdir own
     cp sphere.nii.gz own/ball_atlas.nii.gz
-    CONUS_ATLAS_PATH=$PWD/own fails 3 'ball_atlas: is an atlas by its name, not a file of poses; the atlas comes first: conus query ball_atlas --pose poses.tsv; a table has another ending' \
+    CONUS_ATLAS_PATH=$PWD/own fails 3 'ball_atlas: is an atlas by its name, not a file of poses; the atlas comes first: conus query ball_atlas --pose poses.tsv; a table of points is called .csv or .tsv' \
         query poses.tsv --pose ball_atlas
     fails 3 'none.tsv: cannot' query sphere.nii.gz --pose none.tsv
 }

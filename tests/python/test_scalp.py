@@ -260,6 +260,10 @@ def test_other_scalps_are_refused(tmp_path):
     ]:
         done = subprocess.run([os.environ["CONUS"], "positions", *words], capture_output=True, check=False, cwd=tmp_path)
         assert done.returncode == code and message in done.stderr.decode(), (words, done.returncode, done.stderr)
+    for part, warned in ((0.99, False), (0.85, True)):  # 0.8 and 12 mm under an ear of about 80 mm
+        inside = option("scalp.surf.gii", {**landmarks, "LPA": part * landmarks["LPA"]})
+        done = subprocess.run([os.environ["CONUS"], "positions", "C3", "-q", "--scalp", inside], capture_output=True, check=True, cwd=tmp_path)
+        assert (b"warning: --scalp: LPA lies" in done.stderr) == warned, done.stderr
 
 
 MNI = {"Cz": (0.0, -8.2, 97.3), "C3": (-67.7, -11.3, 61.2), "C4": (68.4, -11.2, 62.0), "Fz": (0.4, 59.6, 64.4), "Pz": (-0.4, -84.6, 79.3),
