@@ -183,7 +183,7 @@ def test_a_batch_takes_positions_of_the_scalp(tmp_path):
     (tmp_path / "xyz.csv").write_text("x,y,z\n-60,-15,60\n60,-15,60\n")  # which a scalp does not move
     done = subprocess.run([os.environ["CONUS"], "batch", tmp_path / "own.nii", "--poses", tmp_path / "xyz.csv", *aim],
                           capture_output=True, check=False)
-    assert done.returncode == 3 and b"no names of a cap's" in done.stderr, done.stderr
+    assert done.returncode == 3 and b"these are positions: take --scalp out" in done.stderr, done.stderr
     (tmp_path / "target.txt").write_text("x y z\n0 -14 8\n")
     needles = ["--toward", tmp_path / "target.txt", "--depth", "target", "--reach", "3", "--scalp", scalp, "-q", "--format", "tsv"]
     plan = call_conus("plan", tmp_path / "own.nii", "--from", tmp_path / "caps.txt", *needles).stdout.decode().split("\n")
