@@ -295,11 +295,11 @@ static bool are_other_axes(struct text name)
 {
     static const char *const axes[] = {"RrLl", "AaPp", "SsIi"};
     bool has[3] = {false};
-    const struct text code = {name.data + name.size - 3, 3};
-    for (size_t i = 0; i < 9 && name.size >= code.size; i++) {
-        has[i % 3] = has[i % 3] || (code.data[i / 3] && strchr(axes[i % 3], code.data[i / 3]));
+    for (size_t i = 0; i < 9 && name.size >= 3; i++) {
+        const char letter = name.data[name.size - 3 + i / 3];
+        has[i % 3] = has[i % 3] || (letter && strchr(axes[i % 3], letter));
     }
-    return has[0] && has[1] && has[2] && !text_equal_ignoring_case(code, "RAS");
+    return has[0] && has[1] && has[2] && !text_equal_ignoring_case((struct text){name.data + name.size - 3, 3}, "RAS");
 }
 
 /* The landmarks are a person's, in the world of the scan that the scalp is of. */
