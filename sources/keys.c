@@ -131,7 +131,7 @@ static const struct source_key rows[] = {
     {KEY_INION, "inion", KEYS_SCALP, POINT},
     {KEY_LPA, "lpa", KEYS_SCALP, POINT},
     {KEY_RPA, "rpa", KEYS_SCALP, POINT},
-    {KEY_NAME, "landmarks", KEYS_SCALP, .type = IS_TEXT},
+    {KEY_NAME, "landmarks", KEYS_SCALP, .allowed = "a file is needed"},
 
     {KEY_ABOVE, "above", KEYS_WEIGHT, .allowed = "a weight is needed, or P% or P%area"},
     {KEY_POWER, "power", KEYS_PRIOR, NUMBERS(1), .low = 0.01, .high = 100,

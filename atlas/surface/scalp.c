@@ -457,6 +457,11 @@ static conus_status add_landmarks(double out[LANDMARKS][3], conus_scalp *scalp, 
             return fail(CONUS_ERROR_DATA, "scalp: %s and %s are %.3g mm apart, allowed are %g to %g: are they in mm?",
                         names[k], names[k + 1], size, HEAD_LEAST, HEAD_MOST);
         }
+        const bool is_across = k == LEFT;
+        if (fabs(way[is_across ? 0 : 1]) < size / 2) { /* 60 degrees, as of axes in another order */
+            return fail(CONUS_ERROR_DATA, "scalp: %s and %s do not lie along %s: are the landmarks in RAS mm?",
+                        names[k], names[k + 1], is_across ? "x, from left to right" : "y, from front to back");
+        }
     }
     return CONUS_OK;
 }

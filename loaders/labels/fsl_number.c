@@ -131,8 +131,6 @@ static void take_indices(struct job *job, struct fsl_atlas *atlas)
                                 .abbreviation = text_from(label->abbreviation ? label->abbreviation : "")};
         if (row.label.number || !atlas->proved) {
             labels_keep(job, next, &row);
-        } else if (!next->zero) {
-            labels_set(job, &next->zero, row.name);
         }
     }
     if (job_ok(job)) {

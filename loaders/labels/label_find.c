@@ -562,7 +562,13 @@ static void search_all(struct job *job, struct label_search *search)
     if (!search->source) {
         search_inherited(job, search, folder);
     }
+    const char *before = search->source;
     fsl_atlas_each(job, path, FSL_LABELS, offer_atlas, search);
+    if (search->source != before && !search->proved) {
+        const size_t place = job_in(job, search->source, JOB_ALONE);
+        label_check_zero(job, search->table, search->use.voxels);
+        job_out(job, place);
+    }
     if (!search->source && !search->why) {
         search_alike(job, search, folder);
     }

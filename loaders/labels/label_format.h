@@ -84,10 +84,6 @@ label_parse label_parse_lines;
 void label_text_parse(struct job *job, struct label_table *out, const struct label_format *format, struct text text,
                       const struct label_use *use);
 
-/** Fails where the table calls 0 an area, does not name all labels of the voxels, and would if each number were one
- * more: it counts from 0, or has another volume's names. Nothing where @p voxels is NULL. */
-void label_check_zero(struct job *job, const struct label_table *table, const struct label_voxels *voxels);
-
 /** Parses a label table of any known format for @p use into the empty @p out, sorted; *format is its name in words
  * ("ITK-SNAP labels"), static. CONUS_ERROR_DATA when the bytes are of no known format or damaged. Outputs are untouched
  * on failure. */

@@ -124,6 +124,10 @@ struct label_offer {
     const struct bytes *file; /**< Its bytes; NULL for a table inside the volume's file. */
 };
 
+/** Fails where the table calls 0 an area, does not name all labels of the voxels, and would if each number were one
+ * more: it counts from 0, or has another volume's names. Nothing where @p voxels is NULL. */
+void label_check_zero(struct job *job, const struct label_table *table, const struct label_voxels *voxels);
+
 /** Uses the table of @p offer if it is the first, or if only its numbers are proved and names have others. One that
  * contradicts the table in use is CONUS_ERROR_DATA, one that differs a note. Finishes the notes of @p offer. */
 void label_search_offer(struct job *job, struct label_search *search, struct label_offer *offer);

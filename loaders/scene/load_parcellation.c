@@ -160,6 +160,9 @@ static void read_fsl(struct job *job, struct parcellation *part, const char *pat
     const struct label_use use = {
         .info = &part->file.info, .voxels = &part->labels, .header = volume_header_read, .path = path};
     fsl_atlas_number(job, atlas, &use);
+    const size_t place = job_in(job, path, JOB_ALONE);
+    label_check_zero(job, &atlas->labels, use.voxels);
+    job_out(job, place);
     part->source = job_format(job, "%s in %s", atlas->is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (job_ok(job)) {
         part->table = &atlas->labels;

@@ -291,6 +291,28 @@ static void read_landmark(struct job *job, double out[3], const char *name, cons
     }
 }
 
+/* Three letters of axes at the end, "ALS", but for RAS. */
+static bool are_other_axes(struct text name)
+{
+    static const char *const axes[] = {"RrLl", "AaPp", "SsIi"};
+    bool has[3] = {false};
+    for (size_t i = 0; i < 9 && name.size >= 3; i++) {
+        const char letter = name.data[name.size - 3 + i / 3];
+        has[i % 3] = has[i % 3] || (letter && strchr(axes[i % 3], letter));
+    }
+    return has[0] && has[1] && has[2] && !text_equal_ignoring_case((struct text){name.data + name.size - 3, 3}, "RAS");
+}
+
+/* The landmarks are a person's, in the world of the scan that the scalp is of. */
+static void check_system(struct job *job, struct text system)
+{
+    const enum pose_brain brain = find_space(job, system).brain;
+    const bool is_other = brain == POSE_BRAIN_OTHER && !says_nothing(system); /* such as tkRAS */
+    if (is_other || brain == POSE_BRAIN_ANIMAL || brain == POSE_BRAIN_MOUSE || are_other_axes(system)) {
+        job_bad(job, "the landmarks are in \"%.*s\", needed are those in the scalp's world, RAS", POSE_QUOTE(system));
+    }
+}
+
 static void read_landmarks(struct job *job, double out[LANDMARKS][3], struct text text)
 {
     json_t *root = json_text_read(job, text);
@@ -307,7 +329,7 @@ static void read_landmarks(struct job *job, double out[LANDMARKS][3], struct tex
         system = says_nothing(system) ? value_of(root, modality, "CoordinateSystem") : system;
         units = says_nothing(units) ? value_of(root, modality, "CoordinateUnits") : units;
     }
-    (void)find_space(job, system);
+    check_system(job, system);
     const double mm = space_unit_mm(units);
     if (!(mm > 0)) {
         job_bad(job, "units \"%.*s\" of the landmarks, allowed are mm, cm and m", POSE_QUOTE(units));
@@ -317,9 +339,18 @@ static void read_landmarks(struct job *job, double out[LANDMARKS][3], struct tex
     json_object_foreach(points, key, value)
     {
         for (size_t k = 0; k < LANDMARKS; k++) {
-            if (text_is_one_of(text_from(key), landmark_names[k], false)) {
-                read_landmark(job, out[k], key, value, mm);
+            double at[3] = {0};
+            if (!text_is_one_of(text_from(key), landmark_names[k], false)) {
+                continue;
             }
+            read_landmark(job, at, key, value, mm);
+            for (size_t a = 0; a < 3 && !isnan(out[k][0]); a++) {
+                if (out[k][a] != at[a]) {
+                    job_bad(job, "%.40s: another name of the same landmark has (%g, %g, %g) mm, and this (%g, %g, %g)",
+                            key, out[k][0], out[k][1], out[k][2], at[0], at[1], at[2]);
+                }
+            }
+            memcpy(out[k], at, sizeof at);
         }
     }
 }

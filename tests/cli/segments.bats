@@ -44,6 +44,10 @@ shanks() {
 depths are from where an axis begins, not from the surface" ]]
     run -0 --separate-stderr conus query u-shape.nii.gz --pose needles.csv --segments rows.tsv -q --force
     [ -z "$stderr" ]
+    printf 'name,x,y,z,dx,dy,dz,near,far\nC,26,0,5,-1,0,0,2,44\n' >near.csv # from a depth of 2, of which the rows count on
+    run -0 --separate-stderr conus query u-shape.nii.gz --pose near.csv --angle 0 --radius 1 --segments rows.tsv --force
+    [[ "$stderr" != *"begins outside"* ]]
+    [ "$(awk -F'\t' 'NR == 2 { print $3, $7, $8 }' rows.tsv)" = "unassigned 2 4" ]
     run -0 --separate-stderr conus query --force $AXIS --range 0,80 --segments rows.tsv # no needle
     [ -z "$stderr" ]
 }

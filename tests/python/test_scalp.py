@@ -177,6 +177,12 @@ def test_a_batch_takes_positions_of_the_scalp(tmp_path):
     assert "scalp.surf.gii" in " ".join(str(file) for file in json.loads((tmp_path / "batch.json").read_text())["Inputs"])
     call_conus("batch", tmp_path / "own.nii", "--poses", tmp_path / "caps.txt", *aim, "--shard", "all/2", "-o", tmp_path / "parts.tsv")
     assert (tmp_path / "parts.tsv").read_text() == (tmp_path / "batch.tsv").read_text()
+    moved = option(tmp_path / "scalp.surf.gii", {**landmarks, "Nz": landmarks["Nz"] + [2, 0, 0]})  # parts of other landmarks are other
+    aims = (aim, ["--inward", "--scalp", moved, "--angle", "20", "-q"])
+    codes = [subprocess.run([os.environ["CONUS"], "batch", tmp_path / "own.nii", "--poses", tmp_path / "caps.txt", *words, "--shard", part,
+                             "-o", tmp_path / "two.tsv"], capture_output=True, check=False).returncode
+             for words, part in zip(aims, ("1/2", "all/2"))]
+    assert codes == [0, 3], codes
     done = subprocess.run([os.environ["CONUS"], "batch", tmp_path / "own.nii", "--poses", tmp_path / "caps.txt", "--scalp", scalp],
                           capture_output=True, check=False)
     assert done.returncode == 2 and b"--scalp has no effect without --inward" in done.stderr, done.stderr
@@ -229,6 +235,9 @@ def test_landmarks_come_from_a_coordsystem(tmp_path):
     assert ask(short)[:2] == wanted[:2]
     for keys, message in (({"EEGCoordinateSystem": "CTF"}, '"CTF" is not the world of an image'),
                           ({"AnatomicalLandmarkCoordinateSystem": "CapTrak"}, '"CapTrak" is not the world of an image'),
+                          ({"AnatomicalLandmarkCoordinateSystem": "ALS"}, 'in "ALS"'), ({"EEGCoordinateSystem": "ScanLPS"}, 'in "ScanLPS"'),
+                          ({"EEGCoordinateSystem": "tkRAS"}, 'in "tkRAS"'), ({"EEGCoordinateSystem": "D99"}, 'in "D99"'),
+                          ({"AnatomicalLandmarkCoordinates": {"NAS": [1, 2, 3], "Nz": [1, 2, 4]}}, "another name of the same landmark"),
                           ({"EEGCoordinateUnits": "n/a"}, "allowed are mm, cm and m"), ({"AnatomicalLandmarkCoordinates": []}, "no Anatomical"),
                           ({"AnatomicalLandmarkCoordinates": {"NAS": [1, 2]}}, "NAS: three numbers are needed")):
         state(1, **keys)
@@ -236,6 +245,21 @@ def test_landmarks_come_from_a_coordsystem(tmp_path):
         assert code == 3 and message in said, said
     path.unlink()
     assert ask(short + "," + inion)[0] == 3
+    code, _, said = ask(f"{tmp_path / 'scalp.surf.gii'},landmarks=")
+    assert code == 2 and 'landmarks: found "", a file is needed' in said, said
+
+
+def test_other_axes_of_landmarks_are_refused(tmp_path):
+    """Axes to the front, left and up of a ball, which is the same in all: turned a little, the signs alone are right."""
+    shape, landmarks = make("ball")
+    write(tmp_path / "scalp.surf.gii", *ellipsoid(shape.axes, shape.centre))
+    angle = np.radians(3)
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    als = {name: turn @ [at[1], -at[0], at[2]] for name, at in landmarks.items()}
+    assert als["LPA"][0] < als["RPA"][0] and als["Iz"][1] < als["Nz"][1]
+    done = subprocess.run([os.environ["CONUS"], "positions", "C3", "--scalp", option(tmp_path / "scalp.surf.gii", als)],
+                          capture_output=True, check=False)
+    assert done.returncode == 3 and b"do not lie along y" in done.stderr, done.stderr
 
 
 def test_other_scalps_are_refused(tmp_path):

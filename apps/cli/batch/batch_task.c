@@ -438,7 +438,7 @@ static int identify(struct task *task)
     pose_settings_text(reading, &settings->file, &settings->aim, &settings->engine);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *words = settings->poses + conus_pose_path_length(settings->poses); /* by which they are read */
-    const char *sources[11] = {angle,
+    const char *sources[12] = {angle,
                                reading,
                                conus_batch_header(task->batch),
                                task->pose_hash,
@@ -452,6 +452,9 @@ static int identify(struct task *task)
     }
     if (*words) {
         *more++ = words;
+    }
+    if (task->scalp[0]) { /* its landmarks */
+        *more++ = settings->aim.scalp + strlen(task->scalp[0]);
     }
     int code = status        ? print_status(status)
                : task->piped ? EXIT_DONE
