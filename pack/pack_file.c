@@ -539,9 +539,10 @@ static conus_status attach(conus_atlas **out, const struct opening *opening)
     status = status ? status : atlas_attach_verified(&atlas, opening->memory + part->at, (size_t)part->size);
     status = status ? status : pack_check_atlas(atlas);
     if (status) {
+        status = origin && status == CONUS_ERROR_DATA ? fail_in(status, opening->path) : status;
         conus_atlas_destroy(atlas);
         memory_free(origin);
-        return origin && status == CONUS_ERROR_DATA ? fail_in(status, opening->path) : status;
+        return status;
     }
     atlas->pack = origin;
     status = note_age(atlas, opening);

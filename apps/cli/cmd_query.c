@@ -698,11 +698,10 @@ static int answer_query(struct query_run *run)
                  "needles are asked for what they meet first: --layers all asks what they pass, --segments FILE what "
                  "the axis passes, in order");
     }
-    say_note(
-        CONUS_SEVERITY_NOTE, request->settings->common.quiet || !run->leads,
-        "%zu ax%s outside of the atlas's objects (the first in line %zu, %.2f mm before one): depths are from where "
-        "an axis begins, not from the surface",
-        run->leads, run->leads == 1 ? "is begins" : "es begin", run->first_lead, run->lead);
+    say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet || !run->leads,
+             "%zu ax%s outside of the atlas's objects (the first in line %zu, %.2f mm before one): depths are from the "
+             "position of a pose, not from the surface",
+             run->leads, run->leads == 1 ? "is begins" : "es begin", run->first_lead, run->lead);
     return request_code(request, write_all(run));
 }
 

@@ -353,7 +353,6 @@ END
     has "a full opening angle of 30°, or the step's own where the file gives one,"
 }
 
-# A cylinder has no apex; needles that are given have no candidates.
 @test "an atlas from a pack is the file that was packed" {
     scene
     conus pack nested.nii.gz -o p.conus -q
@@ -367,6 +366,7 @@ END
     has "(file nested.nii.gz, SHA-256 ${sum:0:8}…, read from the pack p.conus, placed by its sform"
 }
 
+# A cylinder has no apex; needles that are given have no candidates.
 @test "a cylinder's depths, and a plan that is given whole" {
     scene
     conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --radius 3 --range 10,90 -o tube.tsv
@@ -377,6 +377,10 @@ END
     conus plan nested.nii.gz --needles needles.tsv --given given.tsv --reach Core -q -o plan.tsv
     cites plan.tsv
     has 'A: some of the axis in Core; B: some of the axis in Core.'
+    conus plan nested.nii.gz --needles needles.tsv --given given.tsv --reach Core --contacts 4,1,3,1.5 \
+        --cover Core,contacts=1 --cover 'Shell inner' -q -o cover.tsv
+    cites cover.tsv
+    has 'Contacts of all needles together were counted in Core (at least 1); Shell inner. '
 }
 
 @test "where candidates come from, how a handle stands, and how wide a trial's cone is" {

@@ -41,13 +41,12 @@ shanks() {
     printf 'name,entry_x,entry_y,entry_z,target_x,target_y,target_z\nA,22,0,5,-18,0,5\nB,24.5,0,5,-18,0,5\n' >needles.csv
     run -0 --separate-stderr conus query u-shape.nii.gz --pose needles.csv --segments rows.tsv
     [[ "$stderr" == "conus: note: 1 axis begins outside of the atlas's objects (the first in line 3, 2.50 mm before one): \
-depths are from where an axis begins, not from the surface" ]]
+depths are from the position of a pose, not from the surface" ]]
     run -0 --separate-stderr conus query u-shape.nii.gz --pose needles.csv --segments rows.tsv -q --force
     [ -z "$stderr" ]
-    printf 'name,x,y,z,dx,dy,dz,near,far\nC,26,0,5,-1,0,0,2,44\n' >near.csv # from a depth of 2, of which the rows count on
-    run -0 --separate-stderr conus query u-shape.nii.gz --pose near.csv --angle 0 --radius 1 --segments rows.tsv --force
-    [[ "$stderr" != *"begins outside"* ]]
-    [ "$(awk -F'\t' 'NR == 2 { print $3, $7, $8 }' rows.tsv)" = "unassigned 2 4" ]
+    # From 1.5 mm deep on, an axis begins 1 mm before the arm; its depths are still from x = 24.5.
+    run -0 --separate-stderr conus query u-shape.nii.gz --pose needles.csv --range 1.5,target --segments rows.tsv --force
+    [[ "$stderr" == *"1 axis begins outside of the atlas's objects (the first in line 3, 1.00 mm before one)"* ]]
     run -0 --separate-stderr conus query --force $AXIS --range 0,80 --segments rows.tsv # no needle
     [ -z "$stderr" ]
 }

@@ -204,9 +204,8 @@ conus_status rows_files_add(struct rows_files *files, size_t index, conus_select
             status = find_table(asked, file, selector);
             status = status ? status : conus_report_add_table(report, id, asked->made);
             if (!status && asked->lead && strcmp(asked->made_of, "segments") == 0 &&
-                conus_table_rows(asked->made) > 1 && !conus_table_objects(asked->made)[0] &&
-                conus_table_numbers(asked->made, "entry_mm")[0] == 0) { /* else depths are not from there */
-                *asked->lead = conus_table_numbers(asked->made, "exit_mm")[0];
+                conus_table_rows(asked->made) > 1 && !conus_table_objects(asked->made)[0]) {
+                *asked->lead = conus_table_numbers(asked->made, "length_mm")[0];
             }
             file->matrix = asked->made;
         }

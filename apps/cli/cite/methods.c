@@ -227,11 +227,11 @@ static const struct sentence of_part[] = {
 static const struct sentence of_item[] = {
     {"asked", "{asked}"},
     {"names contacts", "{names} (at least {contacts})"},
-    {"names", "{names}"},
+    {"names !contacts", "{names}"},
     {"!asked low high", "{name} (from {low} to below {high})"},
     {"!asked low !high", "{name} (from {low})"},
     {"!asked !low high", "{name} (to below {high})"},
-    {"!asked !low !high !needles !is", "{name} (all values)"},
+    {"!asked !low !high !needles !is !names", "{name} (all values)"},
     {"is=numbers", "{option}, {words}"},
     {"is=position !head=own", "{option}, the position {name} of the 10-10 system on the head of MNI 152 (the rule of "
                               "Jurcak, Tsuzuki and Dan 2007, doi:10.1016/j.neuroimage.2006.09.024)"},
