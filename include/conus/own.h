@@ -372,6 +372,10 @@ CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, 
  * UTF-8. */
 CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
 
+/** Whether a constraint's structure was asked for by the name of an object, hidden or not, or of one above it.
+ * @return False without a structure, and for an object that the plan's atlas has not. */
+CONUS_API bool conus_plan_is_about(const conus_plan *plan, size_t index, uint32_t object);
+
 /** Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
  * @param[out] out mm, the radius not taken off (Eq. 21).
  * @param pose Index in the list.

@@ -915,3 +915,13 @@ const char *conus_plan_name(const conus_plan *plan, size_t index)
 {
     return index < plan->asked.count ? plan->asked.constraints[index].name : NULL;
 }
+
+bool conus_plan_is_about(const conus_plan *plan, size_t index, uint32_t object)
+{
+    const bool *named = index < plan->asked.count ? plan->asked.constraints[index].named : NULL;
+    const conus_atlas *atlas = plan->asked.selector->atlas;
+    while (named && object && object <= atlas->object_count && !named[object]) {
+        object = atlas->objects[object - 1].parent;
+    }
+    return named && object && object <= atlas->object_count;
+}

@@ -28,6 +28,7 @@ struct plan_constraint {
     char *name;             /**< The names that were asked for, as the atlas has them; NULL without a structure. */
     conus_constraint asked; /**< Without names; needles are owned, the direction has length 1. */
     uint32_t *has;  /**< [object_count + 1] Each object of the structure at its number, else 0; NULL without one. */
+    bool *named;    /**< [object_count + 1] The objects that were named; NULL without a structure. */
     bool *reported; /**< [object_count + 1] The object as which each is reported; NULL except for measures of a cone. */
     struct plan_part *parts;
     size_t part_count;

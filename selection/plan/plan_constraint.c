@@ -117,8 +117,8 @@ conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas 
     status = status ? status : fill_structure(out, atlas, naming.named, with_hidden);
     out->name = status || buffer_status(&naming.names) ? NULL : text_to_utf8(text_from(naming.names.data));
     status = status || out->name ? status : CONUS_ERROR_MEMORY;
+    out->named = naming.named;
     buffer_finish(&naming.names);
-    memory_free(naming.named);
     return status || out->part_count ? status
                                      : fail(CONUS_ERROR_ARGUMENT, "%.200s has no voxel, surface or streamline%s", names,
                                             with_hidden ? "" : " that is shown");
@@ -345,6 +345,7 @@ void plan_constraint_finish(struct plan_constraint *constraint)
 {
     memory_free(constraint->name);
     memory_free(constraint->has);
+    memory_free(constraint->named);
     memory_free(constraint->reported);
     for (size_t i = 0; i < constraint->part_count; i++) {
         plan_map_destroy(constraint->parts[i].map);

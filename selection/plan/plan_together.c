@@ -81,6 +81,7 @@ struct conus_together {
     size_t count;
     struct pair_test test;
     conus_together_options options;
+    conus_cover covers[COVER_LIMIT]; /* of the options, whose names are its own */
     uint64_t tried, tried_before;
     bool was_cancelled;
     struct entry *entries;          /* [options.top] */
@@ -151,20 +152,28 @@ static conus_status check_arcs(struct arcs *out, conus_together_options *options
     return CONUS_OK;
 }
 
-static conus_status check_covers(struct covers *out, const conus_together_options *options)
+static conus_status take_covers(conus_together *together)
 {
     static const uint64_t MOST = 1000000000;
+    struct covers *out = &together->test.covers;
+    conus_together_options *options = &together->options;
     if (options->cover_count > COVER_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "covers: %zu, allowed are up to %d", options->cover_count, COVER_LIMIT);
     }
     out->count = options->cover_count;
     for (size_t k = 0; k < out->count; k++) {
+        const char *names = options->covers[k].names;
         out->least[k] = options->covers[k].contacts;
-        if (!options->covers[k].names || out->least[k] > MOST) {
+        if (!names || out->least[k] > MOST) {
             return fail(CONUS_ERROR_ARGUMENT, "covers: contacts: names and up to %llu contacts are wanted",
                         (unsigned long long)MOST);
         }
+        together->covers[k] = (conus_cover){memory_text(names, strlen(names)), out->least[k]};
+        if (!together->covers[k].names) {
+            return CONUS_ERROR_MEMORY;
+        }
     }
+    options->covers = together->covers;
     return CONUS_OK;
 }
 
@@ -176,7 +185,7 @@ static conus_status check_options(conus_together *together, const conus_together
     together->test.margins =
         (struct margins){.between = options->between, .parts = options->parts, .entries = options->entry_distance};
     conus_status status = check_arcs(&together->test.margins.arcs, options);
-    status = status ? status : check_covers(&together->test.covers, options);
+    status = status ? status : take_covers(together);
     status = status ? status : check_margin("between", options->between);
     status = status ? status : check_margin("parts", options->parts);
     status = status ? status : check_margin("entry_distance", options->entry_distance);
@@ -1326,6 +1335,9 @@ void conus_together_destroy(conus_together *together)
     }
     for (size_t n = 0; n < together->entry_count; n++) {
         buffer_finish(&together->entries[n].leeway_of);
+    }
+    for (size_t k = 0; k < COVER_LIMIT; k++) {
+        memory_free((void *)together->covers[k].names);
     }
     memory_free(together->entries);
     memory_free(together->listed);

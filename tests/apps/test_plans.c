@@ -116,6 +116,68 @@ static void a_row_without_a_depth_is_no_needle(void **state)
     viewer_finish(&viewer);
 }
 
+/* The ball of u-shape at (0, 0, 5), called as the U's name begins, is what a cone from above hits, and the U is not
+ * hit. The other atlas, a ball of 24 mm around (0, 0, 0), is hit in its first object, whose number is the U's. */
+static void a_coil_is_judged_by_the_objects_of_the_plan(void **state)
+{
+    static const char table[] = "index\tname\n1\tBall, dented\n2\tBall\n";
+    static const char *const names[] = {"u-shape", "nested"};
+    struct view_source sources[2];
+    struct viewer viewer;
+    (void)state;
+    test_folder("plans");
+    for (size_t i = 0; i < 2; i++) {
+        char file[64];
+        conus_atlas *atlas = NULL;
+        assert_ok(conus_phantom_write(names[i], test_in(""), NULL));
+        assert_ok(conus_write_file(test_in("u-shape.tsv"), table, strlen(table)));
+        snprintf(file, sizeof file, "%s.nii.gz", names[i]);
+        assert_ok(conus_atlas_load(&atlas, test_in(file), NULL));
+        sources[i] = (struct view_source){.atlas = atlas, .path = names[i], .name = names[i]};
+    }
+    assert_ok(viewer_create(&viewer, sources, 2, NULL, NULL, NULL));
+    assert_int_equal(open_plan(&viewer, (const char *const[]){"--reach=\"Ball, dented\"", "--avoid=Ball"}, 2), 0);
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 0, 60}, (double[]){0, 0, -1});
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_REPLAY;
+    for (size_t drawn = 0; drawn < 2; drawn++) {
+        viewer_draw(&viewer, drawn);
+        says(&viewer, 0, "0 % of the cone on Ball, dented, 100 % of the cone on Ball", "");
+        assert_int_equal(plans_is_in(&viewer, CONUS_CONSTRAINT_REACH, 1), !drawn);
+        assert_false(plans_is_in(&viewer, CONUS_CONSTRAINT_REACH, 2));
+        assert_false(plans_is_in(&viewer, CONUS_CONSTRAINT_REACH, 99));
+    }
+    snprintf(viewer.cone.level, sizeof viewer.cone.level, "1");
+    says(&viewer, 0, "not judged: the level has areas as one", "");
+    viewer_finish(&viewer);
+}
+
+static void assert_asked(const struct viewer *viewer, const char *name, bool asks, const char *wanted)
+{
+    json_t *words = json_pack("[s, s, s, s]", usual[0], usual[1], usual[2], usual[3]);
+    json_t *asked = plans_ask(viewer, words, CONUS_CONSTRAINT_AVOID, name, asks);
+    char *text = json_dumps(asked, JSON_COMPACT);
+    assert_string_equal(text, wanted);
+    free(text);
+    json_decref(asked);
+    json_decref(words);
+}
+
+/* What is avoided by a margin keeps it when it is to be avoided once more. */
+static void a_margin_is_not_lost(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    assert_asked(&viewer, "Ball", true,
+                 "[\"--reach=U,length=5\",\"--avoid=Ball,margin=3\",\"--radius=1\",\"--depth=30\"]");
+    assert_asked(&viewer, "Ball", false, "[\"--reach=U,length=5\",\"--radius=1\",\"--depth=30\"]");
+    assert_asked(
+        &viewer, "U", true,
+        "[\"--reach=U,length=5\",\"--avoid=Ball,margin=3\",\"--radius=1\",\"--depth=30\",\"--avoid=\\\"U\\\"\"]");
+    viewer_finish(&viewer);
+}
+
 /* The list, the names and the pictures have one colour for what is to be reached, hit or not; only that has it. */
 static void a_target_has_one_colour(void **state)
 {
@@ -498,6 +560,8 @@ TEST_GROUP(plans)
         cmocka_unit_test(before_the_first_pose_nothing_has_a_colour),
         cmocka_unit_test(the_tool_is_judged_where_it_is),
         cmocka_unit_test(a_row_without_a_depth_is_no_needle),
+        cmocka_unit_test(a_coil_is_judged_by_the_objects_of_the_plan),
+        cmocka_unit_test(a_margin_is_not_lost),
         cmocka_unit_test(a_target_has_one_colour),
         cmocka_unit_test(the_answer_is_whether_the_target_is_reached),
         cmocka_unit_test(the_needle_is_kept_not_its_first_hit),

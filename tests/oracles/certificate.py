@@ -72,7 +72,8 @@ class Needle:
         self.depth = nanometres(self.far[:, 0])
         self.tip = self.at + self.far * self.way
         right, anterior, dorsal = -self.way.T
-        self.arc = np.degrees(np.arctan2(anterior, dorsal))
+        is_along = np.hypot(anterior, dorsal) <= np.radians(1e-9)
+        self.arc = np.where(is_along, 0, np.degrees(np.arctan2(anterior, dorsal)))
         self.slider = np.degrees(np.arcsin(np.clip(right, -1, 1)))
         self.kin = None if self.facts["given"] else tuple(
             q for q, question in enumerate(plan["rows"]) if self.name in question["needles"])

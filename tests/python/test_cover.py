@@ -77,6 +77,19 @@ def test_windows_hold_as_numpy_says(seed):
         assert np.abs(away - 360 * np.round(away / 360)).max() <= 1e-6
 
 
+def test_along_the_axis_of_the_rig_the_arc_angle_is_0():
+    """However its zeros are signed, and whatever rounding leaves of them: one needle has one angle."""
+    columns = ["query_id", "x", "y", "z", "dx", "dy", "dz", "far"]
+    rests = ["0", "-0", "1e-17", "-1e-17"]
+    table("poses.tsv", columns, [[f"p{side}{i}{k}", str(40 * side), "0", "0", str(-side), a, b, "40"]
+                                 for side in (1, -1) for i, a in enumerate(rests) for k, b in enumerate(rests)])
+    call_conus("plan", "nested.nii.gz", "--poses", "poses.tsv", "--arc-window=-1:1,-90:90", "--top", "all", "--infeasible",
+               "-q", "-o", "plan.tsv")
+    rows = certificate.read_table("plan.tsv")
+    assert len(rows) == 32
+    assert {(row["feasible"], row["arc1_deg"], abs(float(row["slider1_deg"]))) for row in rows} == {("1", "0", 90.0)}
+
+
 def test_windows_and_grids_count_from_the_pitch():
     pathlib.Path("target.tsv").write_text("x\ty\tz\n0\t0\t0\n")
     pathlib.Path("needles.tsv").write_text("needle\nA\n")

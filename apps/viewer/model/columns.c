@@ -246,6 +246,13 @@ static double value_of(const struct viewer *viewer, const struct view_atlas *vie
     }
 }
 
+void headline_share(char out[SHARE_TEXT], double share)
+{
+    const bool is_fine = share < 0.01 || (share > 0.99 && share < 1); /* what is not all is not 100 % */
+    char part[TEXT_SHARE_SIZE];
+    snprintf(out, SHARE_TEXT, "%s %%", text_share(part, share < 1 ? fmin(share, 0.999) : 1, is_fine));
+}
+
 const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
                         size_t column, const conus_result *result)
 {

@@ -26,13 +26,6 @@ static bool find_verdict(struct headline *out, struct viewer *viewer)
     return true;
 }
 
-void headline_share(char out[SHARE_TEXT], double share)
-{
-    const bool is_fine = share < 0.01 || (share > 0.99 && share < 1); /* what is not all is not 100 % */
-    char part[TEXT_SHARE_SIZE];
-    snprintf(out, SHARE_TEXT, "%s %%", text_share(part, share < 1 ? fmin(share, 0.999) : 1, is_fine));
-}
-
 /* Whether the answer is of a point, and not of a ball. */
 static bool is_point(const struct viewer *viewer)
 {

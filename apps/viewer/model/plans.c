@@ -7,11 +7,14 @@
 #include "options/messages.h"
 #include "settings/settings.h"
 #include "viewer/model/additions.h"
+#include "viewer/model/columns.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const double ROUNDED = 1e-9; /* of a sum of shares */
 
 bool plans_is_on(const struct viewer *viewer)
 {
@@ -121,7 +124,8 @@ json_t *plans_ask(const struct viewer *viewer, const json_t *words, conus_constr
     char *quoted = quote(name);
     json_t *all = json_array();
     bool fine = all && quoted;
-    size_t item = 0; /* constraints are in the order of their words */
+    bool is_there = false; /* a margin that was asked for is not lost */
+    size_t item = 0;       /* constraints are in the order of their words */
     for (size_t i = 0; i < json_array_size(words) && fine; i++) {
         json_t *word = json_array_get(words, i);
         bool goes = word_value(json_string_value(word), constraint_options[kind].name);
@@ -129,11 +133,14 @@ json_t *plans_ask(const struct viewer *viewer, const json_t *words, conus_constr
             while (item < now->count && now->items[item].kind != kind) {
                 item++;
             }
-            goes = item < now->count && is_of_name(&now->items[item++], name, quoted);
+            const conus_constraint *avoid = item < now->count ? &now->items[item++] : NULL;
+            const bool is = avoid && is_of_name(avoid, name, quoted);
+            is_there = is_there || (is && asks && !avoid->measure && !avoid->shank);
+            goes = is && !asks;
         }
         fine = goes || !json_array_append(all, word);
     }
-    if (fine && asks) {
+    if (fine && asks && !is_there) {
         fine = !json_array_append_new(all, json_sprintf("--%s=%s", constraint_options[kind].name, quoted));
     }
     free(quoted);
@@ -199,34 +206,12 @@ const char *plans_name(struct viewer *viewer, conus_constraint_kind kind)
     return next_structure(&from, viewer, kind);
 }
 
-/* Whether a name is one of those, which ", " separates. */
-static bool is_among(const char *name, const char *names)
-{
-    size_t length = strlen(name);
-    const char *at = length ? strstr(names, name) : NULL;
-    while (at &&
-           !((at == names || strncmp(at - 2, ", ", 2) == 0) && (!at[length] || strncmp(at + length, ", ", 2) == 0))) {
-        at = strstr(at + 1, name);
-    }
-    return at;
-}
-
-/* Whether an object of the first atlas is one of those, or below one. */
-static bool is_below_one(const struct viewer *viewer, uint32_t object, const char *names)
-{
-    const conus_object *at = conus_atlas_object(viewer->atlases->atlas, object);
-    while (at && !is_among(at->name, names)) {
-        at = conus_atlas_object(viewer->atlases->atlas, at->parent);
-    }
-    return at;
-}
-
 bool plans_is_in(const struct viewer *viewer, conus_constraint_kind kind, uint32_t object)
 {
-    const char *names;
+    const conus_plan *plan = viewer->drawn == viewer->atlases ? viewer->plan.live : NULL;
     bool is = false;
-    for (size_t from = 0; !is && viewer->drawn == viewer->atlases && (names = next_structure(&from, viewer, kind));) {
-        is = is_below_one(viewer, object, names);
+    for (size_t i = 0; i < conus_plan_constraint_count(plan) && !is; i++) {
+        is = conus_plan_constraint(plan, i)->kind == kind && conus_plan_is_about(plan, i, object);
     }
     return is;
 }
@@ -414,29 +399,35 @@ static void word(struct plan_verdict *out, const struct viewer *viewer, const co
 }
 
 /* What a cone without an end, such as a coil's or a transducer's, hits of each structure that is asked for: "62 % of
- * the cone on Precentral_L". With all depths it may lie behind others. */
+ * the cone on Precentral_L". With all depths it may lie behind others. With a level areas have no answer of their own.
+ */
 static void judge_cone(struct plan_verdict *out, const struct viewer *viewer)
 {
     const conus_plan *plan = viewer->plan.live;
-    const conus_selection *selection = viewer_selection(viewer);
+    const conus_selection *selection = view_atlas_selection(viewer->atlases, FIRST_TOOL);
     struct system_text written;
+    if (viewer->cone.level[0]) {
+        snprintf(out->text, sizeof out->text, "not judged: the level has areas as one");
+        return;
+    }
     FILE *text = system_text_open(&written);
     const char *before = "";
     for (size_t i = 0; i < conus_plan_constraint_count(plan) && text; i++) {
         const conus_constraint_kind kind = conus_plan_constraint(plan, i)->kind;
-        const char *name = conus_plan_name(plan, i);
         double share = 0;
         bool is_in_cone = false;
         for (size_t k = 0; k < conus_selection_count(selection); k++) {
             const conus_result *result = conus_selection_result(selection, k);
-            const bool is = is_below_one(viewer, result->object, name);
+            const bool is = conus_plan_is_about(plan, i, result->object);
             share += is ? result->share : 0;
             is_in_cone = is_in_cone || is;
         }
         if (kind == CONUS_CONSTRAINT_REACH || kind == CONUS_CONSTRAINT_AVOID) {
-            fputs(before, text);
-            fprintf(text, share > 0 && share < 0.01 ? "%.2f" : "%.0f", 100 * share);
-            fprintf(text, " %% of the %s on %s%s", viewer_shape(viewer), name,
+            char part[SHARE_TEXT] = "0 %";
+            if (share > 0) {
+                headline_share(part, share < 1 - ROUNDED ? share : 1);
+            }
+            fprintf(text, "%s%s of the %s on %s%s", before, part, viewer_shape(viewer), conus_plan_name(plan, i),
                     is_in_cone && !(share > 0) ? ", which lies behind" : "");
             before = ", ";
         }

@@ -15,6 +15,7 @@
 /* By so much a margin is exceeded where it holds, and missed where a distance of entries or of combinations still
  * holds, mm; likewise degrees of arcs. */
 static const double TOUCH = 1e-9;
+static const double DEGREES = 1e-9; /* Nearer to the right-left axis a needle has no arc angle of its own: that is 0. */
 
 enum { ORIGIN = 0, TIP = 3, ARC = 6, SLIDER = 7, BODIES = 8, END = 0, WAY = 3, SQUARE = 6, PER_BODY = 7 };
 
@@ -101,8 +102,8 @@ void arc_angles(double *arc, double *slider, const conus_frame *frame, const dou
 {
     double v[3];
     direction_to_anatomical(v, out, frame);
-    *arc = degrees_from_radians(atan2(v[1], v[2]));
     *slider = degrees_from_radians(atan2(v[0], hypot(v[1], v[2])));
+    *arc = 90 - fabs(*slider) > DEGREES ? degrees_from_radians(atan2(v[1], v[2])) : 0;
 }
 
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose)

@@ -38,7 +38,7 @@ void body_list_finish(struct body_list *list);
 void body_list_set(struct body_list *list, size_t index, const conus_planned *pose);
 
 /** The angles of a rig with arcs, degrees (Eq. 26), of a way out along a needle: an arc is a plane through the
- * right-left axis of the frame. */
+ * right-left axis of the frame. Along that axis itself the arc angle is 0. */
 void arc_angles(double *arc, double *slider, const conus_frame *frame, const double out[3]);
 
 /** Whether two candidates are the same, or neither their positions nor their far ends are @p apart mm or more from each

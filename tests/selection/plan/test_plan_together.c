@@ -974,6 +974,42 @@ static void candidates_that_change_are_refused(void **state)
     end_scene(&scene);
 }
 
+/* What an answer says of covers is there when the caller's words are not. */
+static void covers_are_its_own(void **state)
+{
+    (void)state;
+    uint64_t seed = 7;
+    struct scene scene;
+    make_scene(&scene, 2);
+    for (size_t i = 0; i < 2; i++) {
+        write_random(&scene.candidates[i], i ? "cover-1.tsv" : "cover-0.tsv", 5, &seed, false);
+        scene.needles[i].contacts = (conus_contacts){.count = 2, .columns = 1, .pitch = 2};
+    }
+    char names[] = "1,2";
+    conus_cover covers[17] = {{names, 3}};
+    conus_together_options options = {.covers = covers, .cover_count = 1};
+    conus_together *together = NULL;
+    assert_ok(conus_plan_together(&together, scene.needles, 2, &options));
+    memset(names, 'x', 3);
+    covers[0] = (conus_cover){0};
+    assert_string_equal(conus_together_asked(together)->covers[0].names, "1,2");
+    assert_int_equal(conus_together_asked(together)->covers[0].contacts, 3);
+    conus_together_destroy(together);
+    together = NULL;
+    assert_fails(conus_plan_together(&together, scene.needles, 2, &options), CONUS_ERROR_ARGUMENT); /* no names */
+    options.cover_count = 17;
+    assert_fails(conus_plan_together(&together, scene.needles, 2, &options), CONUS_ERROR_ARGUMENT);
+    options.cover_count = 1;
+    covers[0] = (conus_cover){"3", 1};
+    assert_fails(conus_plan_together(&together, scene.needles, 2, &options), CONUS_ERROR_ARGUMENT);
+    covers[0].names = "1";
+    scene.needles[1].contacts.count = 0;
+    assert_fails(conus_plan_together(&together, scene.needles, 2, &options), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "the contacts are not known"));
+    assert_null(together);
+    end_scene(&scene);
+}
+
 static void what_is_not_allowed(void **state)
 {
     (void)state;
@@ -1131,6 +1167,11 @@ static conus_status try_once(void *data)
     conus_table_destroy(pairs);
     conus_together_destroy(together);
     together = NULL;
+    static const conus_cover covers[2] = {{"1", 1}, {"1,2", 0}};
+    const conus_together_options covering = {.covers = covers, .cover_count = 2};
+    status = status ? status : conus_plan_together(&together, scene->needles, scene->count, &covering);
+    conus_together_destroy(together);
+    together = NULL;
     /* On arcs: there is a combination but for their limits. */
     const conus_together_options limited = {.arcs = 1e-3, .same = 1e-4, .slider = 1e-9, .arcs_most = 1};
     status = status ? status : conus_plan_together(&together, scene->needles, scene->count, &limited);
@@ -1151,6 +1192,7 @@ static void every_failing_allocation_is_clean(void **state)
         write_random(&scene.candidates[i], i ? "memory-1.tsv" : "memory-0.tsv", 5, &seed, false);
     }
     scene.needles[0].arc = "a";
+    scene.needles[0].contacts = scene.needles[1].contacts = (conus_contacts){.count = 2, .columns = 1, .pitch = 2};
     test_every_allocation(try_once, &scene);
     end_scene(&scene);
 }
@@ -1169,6 +1211,7 @@ TEST_GROUP(plan_together)
         cmocka_unit_test(answers_do_not_depend_on_threads),
         cmocka_unit_test(what_is_said_of_candidates),
         cmocka_unit_test(candidates_that_change_are_refused),
+        cmocka_unit_test(covers_are_its_own),
         cmocka_unit_test(what_is_not_allowed),
         cmocka_unit_test(a_run_is_cancelled),
         cmocka_unit_test(a_search_that_is_cancelled_has_an_answer),
