@@ -305,9 +305,10 @@ const struct hdf5 *hdf5_of_stream(struct job *job, struct text stream)
     return job_ok(job) ? hdf5 : job_spare(job, sizeof *hdf5);
 }
 
+static const struct child_program program = {"conus-hdf5", "CONUS_HDF5", "HDF5"};
+
 const struct hdf5 *hdf5_open(struct job *job, const struct open_file *file, const char *const *wanted, size_t count)
 {
-    static const struct child_program program = {"conus-hdf5", "CONUS_HDF5", "HDF5"};
     enum { LIBRARIES = 1 << 28, BYTES_A_SECOND = 1 << 22, LEAST_SECONDS = 60 };
     struct file_state now;
     struct bytes stream = {0};
@@ -338,6 +339,10 @@ const struct hdf5 *hdf5_of_bytes(struct job *job, struct text file, const char *
                                  uint64_t max_memory)
 {
     const uint64_t before = job->max_memory;
+    char *path = NULL; /* where the program cannot be started, as in WebAssembly, no copy is made for it */
+    if (JOB_CALL(job, child_find(&path, &program))) {
+        memory_free(path);
+    }
     struct open_file copy = {.descriptor = job_step(job) ? system_open_scratch("conus-hdf5") : -1};
     if (job_ok(job) && !(copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
                          file_state_of(&copy.before, copy.descriptor))) {

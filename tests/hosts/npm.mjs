@@ -131,6 +131,8 @@ test("run: a file that is replaced comes back, one that stays does not, and no c
   assert.deepEqual(first, second);
   const again = await run([...aim, "--force"], { ...beside("nested.nii.gz"), "a.tsv": new Uint8Array(3), "b/c.txt": new ArrayBuffer(2) });
   assert.deepEqual([again.code, Object.keys(again.files).sort()], [0, ["a.json", "a.tsv"]]);
+  const hdf5 = await run(["info", "x.nwb"], { "x.nwb": Buffer.from("\x89HDF\r\n\x1a\n123456789", "latin1") });
+  assert.match(hdf5.stderr, /x\.nwb: conus-hdf5 reads this, which WebAssembly/);
   await assert.rejects(run(["info", "x.nii"], { "x.nii": "text" }), /x\.nii: bytes are needed/);
   await assert.rejects(run("info x.nii"), /words: a list of texts is needed/);
   await assert.rejects(run(["info", "x.nii"], { "../x.nii": new Uint8Array(1) }), /a name of a file in the folder is needed/);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 export interface Ran {
-  /** The exit code: 0 done, 1 differs, 2 wrong words, 3 bad input. */
+  /** The exit code: 0 done, 1 some queries have no answer or there is a difference, 2 usage, 3 bad input or too little memory, 4 no OpenGL. */
   code: number;
   stdout: string;
   stderr: string;
-  /** Files that the command wrote, by their paths in the folder. */
+  /** Files that the command wrote, by their paths in the folder; none that it wrote elsewhere. */
   files: Record<string, Uint8Array>;
 }
 
