@@ -288,7 +288,9 @@ void report_write_study(struct buffer *out, const conus_report *report)
             table_write_error(out, report, query, more);
             continue;
         }
-        view->head(out, report, query);
+        if (view->head) {
+            view->head(out, report, query);
+        }
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
             write_answer(out, of, view, &layout, i);
         }

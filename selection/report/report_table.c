@@ -343,6 +343,7 @@ static int widest(int width, const char *text)
 static struct point_widths find_widths(const conus_report *report)
 {
     struct point_widths widths = {.id = table_width("point")};
+    const size_t queries = report->query_count;
     bool has_near = false;
     for (const conus_report *of = report; of; of = of->next) {
         widths.atlas = of->name ? widest(widths.atlas, of->name) : 0;
@@ -350,7 +351,7 @@ static struct point_widths find_widths(const conus_report *report)
             has_near = has_near || of->rows[row].result.distance > 0;
         }
     }
-    for (size_t i = 0; i < report->query_count; i++) {
+    for (size_t i = 0; i < queries; i++) {
         struct buffer id = {0};
         write_id(&id, report, &report->queries[i]);
         widths.id = widest(widths.id, id.data ? id.data : "");

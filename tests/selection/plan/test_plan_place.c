@@ -206,9 +206,10 @@ static void without_sides_the_midline_is_no_excuse(void **state)
     conus_place place;
     assert_ok(area_rows_atlas(&own, (const size_t[]){6, 5, 5}, labels, one));
     assert_fails(conus_place_find(&place, own, "Gyrus", NULL), CONUS_ERROR_ARGUMENT);
-    assert_string_equal(conus_message(),
-                        "Gyrus lies on both sides: 0.07 cm3 left, 0.07 cm3 right; type --hemispheres split, and as the "
-                        "name \"Gyrus left\" or \"Gyrus right\"; centroid:Gyrus is one point of it, in the middle of all");
+    assert_string_equal(
+        conus_message(),
+        "Gyrus lies on both sides: 0.07 cm3 left, 0.07 cm3 right; type --hemispheres split, and as the "
+        "name \"Gyrus left\" or \"Gyrus right\"; centroid:Gyrus is one point of it, in the middle of all");
     assert_ok(conus_place_find(&place, own, "centroid:Gyrus", NULL));
     assert_true(place.point[0] == 0);
     conus_atlas_destroy(own);
@@ -452,9 +453,8 @@ static void the_sides_of_a_surface_are_measured(void **state)
             assert_ok(status); /* 9 % */
         } else {
             assert_fails(status, CONUS_ERROR_ARGUMENT);
-            assert_string_equal(
-                conus_message(),
-                "Box lies on both sides: 4.00 cm3 left, 12.00 cm3 right; centroid:Box is one point of it, in the middle of all");
+            assert_string_equal(conus_message(), "Box lies on both sides: 4.00 cm3 left, 12.00 cm3 right; centroid:Box "
+                                                 "is one point of it, in the middle of all");
         }
         notes_finish(&notes);
         conus_atlas_destroy(own);
