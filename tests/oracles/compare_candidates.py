@@ -212,7 +212,9 @@ def main():
         path = {name: os.path.join(folder, name) for name in
                 ("atlas.nii", "scalp.surf.gii", "parts.label.gii", "mask.nii", "holes.tsv", "aims.tsv")}
         labels = blobs(random, (24, 20, 16), 12)
-        affine = save(path["atlas.nii"], labels, GRIDS["flipped, of three sizes"])
+        world = GRIDS["flipped, of three sizes"].copy()
+        world[0, 3] = 40  # mm; with x = 0 at an edge of the grid nobody knows where left ends, and deepest is refused
+        affine = save(path["atlas.nii"], labels, world)
         middle = to_world(affine, np.array([12, 10, 8]))
         points, faces = icosphere(2, 40.0, middle)
         parts = random.integers(0, 3, len(points))
