@@ -935,7 +935,7 @@ static int say_conflict(const struct planner *planner)
         snprintf(why, sizeof why, ": neither another margin of shafts nor another distance of entries alone would do");
     }
     print_error_line("%s%sno combination%s", names, *names ? ": " : "", why);
-    return conflict->count == 1 ? say_alone(planner, conflict->needles[0]) : EXIT_DONE;
+    return conflict->count == 1 && !conflict->by_limits ? say_alone(planner, conflict->needles[0]) : EXIT_DONE;
 }
 
 static int make_reports(struct planner *planner)

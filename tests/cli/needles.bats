@@ -198,6 +198,9 @@ column() {
     sed -i 's/^given-30/A/' given.tsv
     run -0 --separate-stderr conus $N --given given.tsv
     [[ "$stderr" == *"conus: A is given, and breaks at least 2 mm of the axis in U"* ]]
+    run -0 --separate-stderr conus plan u-shape.nii.gz --needles one.tsv --given given.tsv --length 1,100 --contacts 4,1,2,1 \
+        --cover U,contacts=4 -q # it breaks nothing
+    [ "$stderr" = "conus: A: no combination: at most 0 of 4 contacts in U" ]
     sed -i 's/^a-1/a-0/' a.tsv
     run -0 --separate-stderr conus $N
     [[ "$stderr" == *'a.tsv: poses 1 and 2 are both called "a-0"'* ]]
