@@ -55,7 +55,7 @@ bool output_is_no_file(const char *path);
 /** Finds the format by the ending of @p path: .txt is a table. False if the ending names none. */
 bool output_format(const char **out, const char *path);
 
-/** Whether a format, of answers or of poses, is called so; NULL is "table". */
+/** Whether a format, of answers or of poses, is called so. NULL, of answers, is "table". */
 bool format_is(const char *format, const char *name);
 
 /** What is known of a format of answers. */

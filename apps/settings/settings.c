@@ -186,8 +186,7 @@ const struct option scalp_options[] = {
     {OPTION_VALUED("scalp", struct aim_settings, scalp, "SURFACE,nasion=X:Y:Z,inion=X:Y:Z,lpa=X:Y:Z,rpa=X:Y:Z"),
      .help = "with --inward or a list: positions of a cap are those on this scalp, a closed surface, by the landmarks "
              "on it, which is the head of the atlas; landmarks=FILE has them from a coordsystem.json of BIDS, RAS mm "
-             "of the "
-             "scalp, which seldom has the inion",
+             "of the scalp, which seldom has the inion",
      .words = "head, subject, individual, EEG", .needs = "inward|from", .excludes = "pose", OPTION_READING(SURFACE)},
     {0},
 };

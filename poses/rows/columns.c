@@ -592,8 +592,8 @@ static void refuse_turned(struct head *head, const struct family *position)
                  FAMILY_SHOWN(head, position));
         FAULT_IF(is_other && !is_of_sensor, head,
                  "%s beside %s: if they are a direction into the head, call them dx dy dz (turn the signs of one out "
-                 "of it); a point to look at is tx ty "
-                 "tz, an axis entry_x entry_y entry_z and target_x target_y target_z; without %s the rows are points",
+                 "of it); a point to look at is tx ty tz, an axis entry_x entry_y entry_z and target_x target_y "
+                 "target_z; without %s the rows are points",
                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
     struct buffer list = {0};
@@ -626,13 +626,11 @@ static void refuse_turned(struct head *head, const struct family *position)
     (void)JOB_CALL(head->job, buffer_status(&list));
     FAULT_IF(list.size && is_of_frame, head,
              "column %s beside %s is of a stereotactic frame, and so are these: bring them to the atlas's space (to "
-             "take it out is not enough); an axis "
-             "is entry_x entry_y entry_z and target_x target_y target_z",
+             "take it out is not enough); an axis is entry_x entry_y entry_z and target_x target_y target_z",
              list.data, FAMILY_SHOWN(head, position));
     FAULT_IF(list.size && !is_of_frame, head,
              "column %s beside %s is not read: take it out if the rows are %s; a direction is dx dy dz, a target tx ty "
-             "tz%s, "
-             "a rotation qw qx qy qz or m00...m33%s",
+             "tz%s, a rotation qw qx qy qz or m00...m33%s",
              list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
              head->options->space < CONUS_SPACE_CCF ? "" : ", a tilt tilt_ml and tilt_ap or phi and theta",
              head->out->is_bids ? ", with --poses-format table here" : "");
@@ -840,8 +838,8 @@ static void choose_families(struct head *head)
     if (head->lacks_space && position && !named) {
         FAULT(head,
               "%s: from AC, PC or MCP, bring them to the atlas's space (a shift is not enough), and call them x y z "
-              "(right, front, top); from "
-              "bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with --space bregma or --space ccf",
+              "(right, front, top); from bregma (mm) or in the CCF (um) they need an atlas of the Allen CCF, with "
+              "--space bregma or --space ccf",
               FAMILY_SHOWN(head, position));
     }
     FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP] && !head->words.tilt[0].size &&
@@ -1705,8 +1703,7 @@ static void plan_bare(struct head *head)
                 is_table ? "header: \"%.*s\": no names of columns, but the first line of a table has names"
                          : "\"%.*s\": neither names of columns nor three numbers in a line; needed are a header and "
                            "a line per pose, lines of x y z or of names (of areas, or C3; index:17 for a label), a 4 x "
-                           "4 matrix, or another "
-                           "program's file",
+                           "4 matrix, or another program's file",
                 POSE_QUOTE(line));
     } else if (!has_points(head)) {
         refuse_bare(head);

@@ -173,9 +173,8 @@ static const struct sentence of_settings[] = {
     {"Places.0", " Places that were named: {Places}."},
     {"Places.0.head=own", " The position {Places.0.name} was found on a scalp by sections through its landmarks, at "
                           "fractions of their lengths (Eq. 35 of conus's documentation)."},
-    {"Batch.head=own", " Positions of a cap were found on a scalp by sections through "
-                       "its landmarks, at fractions of their lengths (Eq. 35 "
-                       "of conus's documentation)."},
+    {"Batch.head=own", " Positions of a cap were found on a scalp by sections through its landmarks, at fractions of "
+                       "their lengths (Eq. 35 of conus's documentation)."},
     {"Places.0.toward",
      " The place is {Places.0.way_mm} mm from it towards {Places.0.toward}, along the section of the "
      "scalp through both and their normals."},

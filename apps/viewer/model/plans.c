@@ -548,15 +548,15 @@ bool plans_is_behind(const struct viewer *viewer)
 static const char *find_next_step(const struct viewer *viewer)
 {
     const bool has_points = viewer->points.count;
-    return plans_is_on(viewer)
-               ? (has_points ? "choose a row in Points, or aim by hand: the answer above judges it; F5 "
-                               "sets a needle's depth"
-                             : "aim by hand, or open a file of needles or coils (Ctrl+O) and choose a "
-                               "row in Points: the answer above judges it; F5 sets a needle's depth")
-               : (has_points ? "no target yet: choose an area and, under Area, \"Set as target\", or "
-                               "\"Avoid\"; then choose a row in Points"
-                             : "no target yet: choose an area and, under Area, \"Set as target\", or "
-                               "\"Avoid\"; then aim by hand, or open a file of needles or coils (Ctrl+O)");
+    return plans_is_on(viewer) ? (has_points ? "choose a row in Points, or aim by hand: the answer above judges it; F5 "
+                                               "sets a needle's depth"
+                                             : "aim by hand, or open a file of needles or coils (Ctrl+O) and choose a "
+                                               "row in Points: the answer above judges it; F5 sets a needle's depth")
+                               : (has_points ? "no target yet: choose an area and, under Area, \"Set as target\", or "
+                                               "\"Avoid\"; then choose a row in Points"
+                                             : "no target yet: choose an area and, under Area, \"Set as target\", or "
+                                               "\"Avoid\"; then aim by hand, or open a file of needles or coils "
+                                               "(Ctrl+O)");
 }
 
 const struct plan_list *plans_list(const struct viewer *viewer, const char **why)
