@@ -403,6 +403,11 @@ static int identify(struct task *task)
     const struct batch_settings *settings = task->settings;
     const conus_atlas *atlas = task->atlases.items[0].atlas;
     const char *asked = task->arguments->operands[0];
+    size_t place = 0; /* of the format, which fingerprints of earlier results have */
+    while (!format_is(task->format, conus_format_at(place)->name)) {
+        place++;
+    }
+    const char format[] = {(char)('0' + place), '\0'};
     /* AFNI's rows have the name of the atlas's file without its folder, or that of its manifest. */
     bool has_file_name = format_is(task->format, "afni");
     const conus_volume_info *info = has_file_name ? conus_atlas_volume(atlas, 0) : NULL;
@@ -439,7 +444,7 @@ static int identify(struct task *task)
                                task->pose_hash,
                                conus_pose_stream_space(task->poses),
                                conus_pose_stream_coordsystem_sha256(task->poses),
-                               task->format,
+                               format,
                                info ? path_name(info->path) : ""};
     const char **more = sources + 8;
     if (first && strcmp(first, asked) == 0) {
