@@ -99,6 +99,14 @@ static void what_is_no_result_is_refused(void **state)
         assert_int_equal(parse(&results, bad[i]), EXIT_DATA);
         assert_null(results.bytes);
     }
+    char wide[4096] = "query\tkind\tindex"; /* 1,000 columns are read, 1,001 are not */
+    struct results results = {0};
+    for (size_t column = 3; column < 1001; column++) {
+        assert_int_equal(column == 1000 ? parse(&results, wide) : EXIT_DONE, EXIT_DONE);
+        snprintf(wide + strlen(wide), 8, "\t%03x", (unsigned)column);
+    }
+    results_finish(&results);
+    assert_int_equal(parse(&results, wide), EXIT_DATA);
 }
 
 static void every_prefix_is_survived(void **state)

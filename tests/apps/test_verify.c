@@ -120,6 +120,32 @@ static void a_sidecar_is_read_whole(void **state)
     record_finish(&record);
 }
 
+/* Of a pack, not the files that it was made of: these need not be there. Of two entries, that with a checksum. */
+static void a_sidecar_names_each_file_once_and_no_file_in_a_pack(void **state)
+{
+    (void)state;
+    static const char text[] = "{\"GeneratedBy\": [{\"Name\": \"conus\", \"Version\": \"0.1.0\", \"CommandLine\": "
+                               "\"conus query p.conus\"}],"
+                               "\"Atlas\": {\"path\": \"gone.nii\", \"pack\": {\"path\": \"p.conus\", \"sha256\": "
+                               "\"" SHA("0") "\"}, \"volumes\": [{\"role\": \"parcellation\", \"path\": \"gone.nii\", "
+                                             "\"sha256\": \"" SHA("1") "\"}, {\"role\": \"context\", \"path\": "
+                                                                       "\"t1.nii\", \"sha256\": \"" SHA(
+                                                                           "2") "\"}]}, \"Inputs\": [{\"path\": \"a\", "
+                                                                                "\"sha256\": null}, {\"path\": \"a\", "
+                                                                                "\"sha256\": \"" SHA("3") "\"}]}";
+    struct record record;
+    assert_null(record_parse(&record, text, strlen(text)));
+    assert_int_equal(record.input_count, 2);
+    assert_string_equal(record.inputs[0].sha256, SHA("3"));
+    assert_string_equal(record.inputs[1].path, "p.conus");
+    assert_string_equal(record_context(&record), "t1.nii");
+    assert_int_equal(record.output_count, 0);
+    record_finish(&record);
+    assert_null(record_parse(&record, good, strlen(good)));
+    assert_null(record_context(&record));
+    record_finish(&record);
+}
+
 /* Every prefix but the whole text is refused. */
 static void no_prefix_of_a_sidecar_is_one(void **state)
 {
@@ -142,7 +168,9 @@ static void wrong_values_of_a_sidecar_are_refused(void **state)
     } bad[] = {
         {"\"conus\"", "\"other\"", "not a sidecar"},
         {"\"Version\": \"0.1.0\"", "\"Version\": 1", "not a sidecar"},
-        {"\"CommandLine\"", "\"commandLine\"", "the library or its Python package"},
+        {"\"Version\": \"0.1.0\"", "\"Version\": \"0.1-x\"", "Version: \"0.1-x\" is none of conus's"},
+        {"\"Version\": \"0.1.0\"", "\"Version\": \"\"", "Version: \"\" is none of conus's"},
+        {"\"CommandLine\"", "\"commandLine\"", "the library, its Python package or a page"},
         {"conus query", "conus;query", "is not quoted"},
         {SHA("a"), SHA("A"), "sha256: is not 64 digits"},
         {SHA("a"), "abc", "sha256: is not 64 digits"},
@@ -294,6 +322,41 @@ static void files_are_found_by_their_path_name_and_checksum(void **state)
     assert_true(file_find(&found, &here, folder, NULL));
     assert_int_equal(found.state, FILE_MOVED);
     free(found.path);
+}
+
+/* The sidecar of "a.tsv" is "a.tsv.json", else "a.json"; JSON is its own. */
+static void a_sidecar_is_found_beside_its_result(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *put, *result, *found;
+    } cases[] = {{NULL, "a.tsv", NULL},      {NULL, "b.json", NULL},       {"a.json", "a.tsv", "a.json"},
+                 {NULL, "a.json", "a.json"}, {NULL, "a.nii.gz", "a.json"}, {NULL, "a.func.gii", "a.json"},
+                 {NULL, "a.b.tsv", NULL},    {NULL, "a", "a.json"},        {"a.tsv.json", "a.tsv", "a.tsv.json"},
+                 {NULL, "a.csv", "a.json"}};
+    test_folder("beside");
+    unlink(test_in("a.json"));
+    unlink(test_in("a.tsv.json"));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        if (cases[i].put) {
+            put_file(test_in(cases[i].put), good);
+        }
+        char *found = sidecar_find(test_in(cases[i].result));
+        assert_true((found == NULL) == (cases[i].found == NULL));
+        assert_string_equal(found ? found : "", cases[i].found ? test_in(cases[i].found) : "");
+        free(found);
+    }
+    struct record record;
+    assert_int_equal(record_read(&record, test_in("a.json")), EXIT_DONE);
+    assert_string_equal(record.version, "0.1.0");
+    record_finish(&record);
+    put_file(test_in("a.json"), "[]");
+    messages_hold(true);
+    assert_int_equal(record_read(&record, test_in("a.json")), EXIT_DATA);
+    assert_non_null(strstr(error_line(), "a.json: is no JSON object"));
+    assert_int_equal(record_read(&record, test_in("none.json")), EXIT_DATA);
+    assert_non_null(strstr(error_line(), "none.json: cannot open"));
+    messages_hold(false);
 }
 
 /* A store of Zarr, recorded with a slash behind its name: the folder of the result, which has none such, is not it. */
@@ -492,6 +555,50 @@ static void the_setting_that_differs_is_named(void **state)
     }
 }
 
+/* A new answer lies in the stage. Its path is compared with that of the command line, its length and checksum only
+ * where neither the command line nor a path is in the file. */
+static void an_output_is_compared_by_the_path_that_was_asked_for(void **state)
+{
+    (void)state;
+    static const struct option options[] = {{.name = "output", .type = OPTION_TEXT, .role = OPTION_WRITES_ROWS}, {0}};
+    static const struct option_group groups[] = {{"", options, 0}, {0}};
+    static const struct command command = {.name = "query", .groups = groups};
+    static const struct {
+        const char *asked, *written, *recorded, *said;
+    } cases[] = {
+        {"out/r.tsv", "/t/out/r.tsv", "\"path\": \"out/r.tsv\", \"bytes\": 1, \"sha256\": \"1\"", NULL},
+        {"r.tsv", "/t/out/r.tsv", "\"path\": \"r.tsv\", \"bytes\": 1, \"sha256\": \"1\"", NULL},
+        {"out/r.tsv", "/t/out/r.tsv", "\"path\": \"out/s.tsv\", \"bytes\": 1, \"sha256\": \"1\"",
+         "Outputs[0].path is \"out/s.tsv\" there, and \"out/r.tsv\""},
+        {"out/r.tsv", "/t/out/r.tsv", "\"path\": \"out/r.tsv\", \"bytes\": 2, \"sha256\": \"1\"",
+         "Outputs[0].bytes is 2 there, and 1"},
+        {"out/r.json", "/t/out/r.json", "\"path\": \"out/r.json\", \"bytes\": 2, \"sha256\": \"2\"", NULL},
+        {"out/r.json", "/t/out/r.json", "\"path\": \"out/s.json\", \"bytes\": 2, \"sha256\": \"2\"",
+         "Outputs[0].path is \"out/s.json\" there"},
+        {"-", "/t/out/rows", "\"path\": null, \"sha256\": null", NULL},
+        {"-", "/t/out/rows", "\"path\": \"rows\", \"sha256\": null", "Outputs[0].path is \"rows\" there, and null"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char recorded[256];
+        char written[256];
+        char *said = NULL;
+        snprintf(recorded, sizeof recorded, "{\"Outputs\": [{\"option\": \"output\", %s}]}", cases[i].recorded);
+        snprintf(written, sizeof written,
+                 "{\"Outputs\": [{\"option\": \"output\", \"path\": \"%s\", \"bytes\": 1, \"sha256\": \"1\"}]}",
+                 cases[i].written);
+        struct option_use use = {.option = options, .value = cases[i].asked};
+        json_t *b = json_loads(written, 0, NULL);
+        struct record record = {.root = json_loads(recorded, 0, NULL), .version = CONUS_VERSION};
+        struct replay replay = {.record = &record, .arguments = {.command = &command, .uses = &use, .use_count = 1}};
+        assert_true(sidecars_differ(&said, b, &replay));
+        assert_true((said == NULL) == (cases[i].said == NULL));
+        assert_true(!said || strstr(said, cases[i].said));
+        free(said);
+        json_decref(record.root);
+        json_decref(b);
+    }
+}
+
 /* Of another version the fingerprint is another; where whole paths moved, they are as recorded. */
 static void another_version_or_place_makes_no_other_value(void **state)
 {
@@ -530,16 +637,19 @@ TEST_GROUP(verify)
         cmocka_unit_test(command_lines_come_back_as_they_were),
         cmocka_unit_test(shell_syntax_is_refused),
         cmocka_unit_test(a_sidecar_is_read_whole),
+        cmocka_unit_test(a_sidecar_names_each_file_once_and_no_file_in_a_pack),
         cmocka_unit_test(no_prefix_of_a_sidecar_is_one),
         cmocka_unit_test(wrong_values_of_a_sidecar_are_refused),
         cmocka_unit_test(a_sidecar_is_read_or_refused_with_any_allocation_failing),
         cmocka_unit_test(a_seal_covers_the_keys_of_conus),
         cmocka_unit_test(the_folder_of_a_run_follows_from_a_path),
         cmocka_unit_test(files_are_found_by_their_path_name_and_checksum),
+        cmocka_unit_test(a_sidecar_is_found_beside_its_result),
         cmocka_unit_test(a_folder_is_not_found_by_the_slash_behind_it),
         cmocka_unit_test(a_stage_has_every_path),
         cmocka_unit_test(a_stage_without_links_has_copies),
         cmocka_unit_test(the_setting_that_differs_is_named),
+        cmocka_unit_test(an_output_is_compared_by_the_path_that_was_asked_for),
         cmocka_unit_test(another_version_or_place_makes_no_other_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

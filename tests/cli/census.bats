@@ -119,7 +119,7 @@ Bad (group b)  no answer: line 3: column x: \"b\" is not a finite number" ]
     run -0 conus batch nested.nii.gz --poses points.txt --summary -q
     [ "$(cell name 3)/$(cell distance_mm 3)/$(cell z 3)" = 'Shell outer/6/30' ]
     conus batch nested.nii.gz --poses points.txt -q -o rows.tsv
-    conus cite rows.tsv | grep -q 'that contain a point, or lie nearest to it'
+    conus cite rows.tsv | grep -Eq 'areas at each of [0-9]+ points.*, or nearest to it'
     conus verify rows.tsv
     # An option of an axis asks for one.
     local option

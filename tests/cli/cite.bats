@@ -155,7 +155,7 @@ END
     conus batch nested.nii.gz --poses pose.tsv -q --range 10,90 --format open-ephys --contacts 9,1,2,4 -o batch-shank
     for result in rows.tsv other.json shank batch.tsv batch-shank; do
         cites $result
-        has "The areas that the device's axis passes, a straight line from the device's position on, were determined in order"
+        has "The areas along the device's axis, a straight line from the device's position on, were determined in order"
         has 'The axis is a geometric model'
         [[ $result == other.json || "$output" == *'counted: 10 mm and 90 mm from the apex.'* ]]
         [[ "$output" != *Rick* && "$output" != *cone* && "$output" != *ray* && "$output" != *share* && "$output" != *score* ]]
@@ -243,7 +243,7 @@ END
     conus query nested.nii.gz $aim -o a.tsv
     jq 'del(.GeneratedBy[0].CommandLine)' a.json >b.json
     cp a.tsv b.tsv
-    fails 3 'written by the library or its Python package' cite b.tsv
+    fails 3 'written by the library, its Python package or a page' cite b.tsv
     sealed 'del(.Atlas.path)'
     fails 3 'Atlas: path: is missing' cite b.tsv
     sealed 'del(.Question)'

@@ -157,15 +157,15 @@ says_identical() {
     conus connect $U -q -o rows.tsv
     answers cite rows.tsv
     output=$(tr '\n' ' ' <<<"$output")
-    has 'The areas at both ends were determined of all streamlines with conus'
-    has 'An end had the area that it lies in, else the nearest one within 2 mm.'
+    has 'The areas at both ends of all streamlines were determined with conus'
+    has 'An end was assigned to the area that it lies in, else to the nearest one within 2 mm.'
     [[ "$output" != *cone* && "$output" != *Rick* && "$output" != *geometric* ]]
     conus query $U --origin 8,0,60 --toward 8,0,5 --angle 4 -q --endpoints ends.tsv --endpoint-radius 0 >answer.txt
     answers cite ends.tsv
     output=$(tr '\n' ' ' <<<"$output")
     has "of all streamlines that come into a cone about the device's axis, with its apex at the device's position and a full"
-    has 'opening angle of 4°, for one pose of the device with conus'
-    has 'An end had the area that it lies in. '
+    has 'opening angle of 4°, were determined for one pose of the device with conus'
+    has 'An end was assigned to the area that it lies in. '
     [[ "$output" != *rays* && "$output" != *'the axis crosses'* ]]
 }
 

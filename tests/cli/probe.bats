@@ -124,7 +124,7 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
             { key = $2 "/" $3; what = $3; to = $1; n++ } END { print n, from (n > 1 ? ", " to : "") "  " what }' >wanted.txt
     sed -n '/^ *[0-9]/p' table.txt | sed -E 's/^ *([0-9]+)  (.*[^ ]) +[-0-9.]+ +[-0-9.]+ +[-0-9.]+  /\1 \2  /' | diff - wanted.txt
     conus cite points.tsv | tr '\n' ' ' >cited.txt
-    grep -q 'that contain a point were determined for each of' cited.txt
+    grep -q 'The areas at each of [0-9]* points were determined with' cited.txt
     ! grep -q 'ball' cited.txt || false
     conus query slabs.nii.gz "${AIM[@]}" --probe np.json --radius 1 -q -o balls.tsv
     conus cite balls.tsv | tr '\n' ' ' | grep -q 'a ball with a radius of 1 mm'

@@ -296,7 +296,7 @@ reseal() {
     says 1 'out/q.json: Outputs is missing there' out/q.tsv
     jq 'del(.GeneratedBy[0].CommandLine)' out/q.json >old
     mv old out/q.json
-    says 3 'written by the library or its Python package, not by the program' out/q.tsv
+    says 3 'written by the library, its Python package or a page, not by the program' out/q.tsv
     study
     for version in '' 'x' '0.1.0 ' '0.0.9}, note = {\\input{/etc/passwd}' 0.00000000000000000000000000000000000000; do
         jq --arg version "$version" '.GeneratedBy[0].Version = $version' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
@@ -383,7 +383,7 @@ reseal() {
 @test "what cannot be verified is said" {
     study
     rm out/q.json
-    says 3 'no .json beside it that says how it was made; --sidecar FILE.json names it' out/q.tsv
+    says 3 'no .json beside it that says how it was made (pictures, pages and meshes have none); --sidecar FILE.json names it' out/q.tsv
     says 3 'cannot open' out/none.tsv
     cp out/tube.json out/range.json
     says 1 'out/range.json is the sidecar of out/tube.tsv, and neither name nor SHA-256 of out/range.tsv are recorded there' out/range.tsv

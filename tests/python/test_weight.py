@@ -303,7 +303,7 @@ def test_a_published_error_is_its_tilt_and_cited(tmp_path):
     call_conus(*asked, f"--weight=gauss={sigma!r}", "-o", tmp_path / "number.tsv")
     assert not named.returncode and (tmp_path / "named.tsv").read_bytes() == (tmp_path / "number.tsv").read_bytes()
     text = call_conus("cite", tmp_path / "named.tsv").stdout.decode().replace("\n", " ")
-    assert "This error is published, as endpoint of a ray" in text and "vr-controller: arXiv:2601.03522" in text
+    assert "This error is a published one (endpoint of a ray" in text and "vr-controller: arXiv:2601.03522" in text
 
 
 @needs_aal

@@ -100,8 +100,13 @@ static void grids_hold_what_is_in_the_cone(void **state)
     conus_grid *grids[] = {
         grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 0), grid_of(fixture, CONUS_GRID_MASK_OF_REGION, 0),
         grid_of(fixture, CONUS_GRID_MAP_OF_LABELS, 0), grid_of(fixture, CONUS_GRID_MAP_OF_VALUES, 0),
-        grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 1), grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, pathway)};
-    size_t counts[6] = {0};
+        grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 1), grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, pathway),
+        grid_of(fixture, CONUS_GRID_MAP_OF_LABELS, 1), grid_of(fixture, CONUS_GRID_MAP_OF_LABELS, 2)};
+    static const conus_number numbers[8] = {/* the smallest that hold 1, 300 and 4000000001 */
+                                            [2] = CONUS_NUMBER_UINT32,
+                                            [3] = CONUS_NUMBER_FLOAT32,
+                                            [7] = CONUS_NUMBER_UINT16};
+    size_t counts[8] = {0};
     for (size_t voxel = 0; voxel < areas->voxel_count; voxel++) {
         uint32_t object = volume_object(areas, voxel);
         double value = (double)volume_value(&fixture->atlas->volumes[1], voxel);
@@ -111,15 +116,18 @@ static void grids_hold_what_is_in_the_cone(void **state)
                                  in && object ? fixture->atlas->objects[object - 1].label : 0,
                                  in && value >= 8 ? value : 0,
                                  in && object == 1,
-                                 in && value >= 8};
-        for (size_t g = 0; g < 6; g++) {
+                                 in && value >= 8,
+                                 in && object == 1,
+                                 in && object == 2 ? 300 : 0};
+        for (size_t g = 0; g < 8; g++) {
             const conus_grid_view view = conus_grid_data(grids[g]);
+            assert_int_equal(view.number, numbers[g]);
             assert_true(at(&view, voxel) == wanted[g]);
             counts[g] += wanted[g] != 0;
         }
     }
-    assert_true(counts[4] > 0 && counts[4] < counts[0] && counts[0] < counts[1] && counts[3] > 0);
-    for (size_t g = 0; g < 6; g++) {
+    assert_true(counts[4] > 0 && counts[4] < counts[0] && counts[0] < counts[1] && counts[3] > 0 && counts[7] > 0);
+    for (size_t g = 0; g < 8; g++) {
         conus_grid_destroy(grids[g]);
     }
 }
@@ -230,6 +238,15 @@ static void what_has_no_voxels_is_refused(void **state)
     assert_refused(&(struct fixture){.selection = &alone}, CONUS_GRID_MAP_OF_LABELS, 0,
                    "map of labels: the atlas has no labelled voxels");
     conus_atlas_destroy(empty);
+    struct phantom_drawing drawing;
+    conus_atlas *hidden = NULL;
+    assert_ok(phantom_draw(&drawing, "nested", &(conus_phantom_options){.size = 16}));
+    assert_ok(phantom_drawing_atlas(&hidden, &drawing));
+    phantom_drawing_finish(&drawing);
+    assert_ok(conus_atlas_show(hidden, NULL, "Core"));
+    alone.atlas = hidden;
+    assert_refused(&(struct fixture){.selection = &alone}, CONUS_GRID_MASK_OF_AREAS, 3, "object: Core is hidden");
+    conus_atlas_destroy(hidden);
     conus_grid *grid = grid_of(fixture, CONUS_GRID_MASK_OF_AREAS, 0);
     assert_fails(conus_grid_write(grid, "mask.png"), CONUS_ERROR_ARGUMENT);
     assert_string_equal(conus_message(), "mask.png: a volume's name ends in .nii or .nii.gz");

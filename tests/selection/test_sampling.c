@@ -247,6 +247,9 @@ static void a_fraction_is_of_slices_and_up_to_one(void **state)
                    "slice_fraction: 1.25, allowed is more than 0 to 1 (0 = a fifth)");
     assert_refused(atlas, CONUS_SAMPLING_SLICES, -1, "slice_fraction: -1, allowed is more than 0 to 1 (0 = a fifth)");
     assert_refused(atlas, CONUS_SAMPLING_SLICES, NAN, "slice_fraction: nan, allowed is more than 0 to 1 (0 = a fifth)");
+    conus_selector *selector = NULL;
+    assert_fails(conus_selector_create(&selector, atlas, &(conus_selector_options){.slices = 5}), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), "slices: 5 with exact sampling, which has none");
     conus_atlas_destroy(atlas);
 }
 

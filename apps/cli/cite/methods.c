@@ -26,27 +26,27 @@ struct sentence {
 #define APEX "{tube?device's position|apex}"
 #define OWN "{own?, or the pose's own where the file gives them}."
 #define EXACT                                                                                                          \
-    "{tetrahedra? Volumes are exact for the tetrahedra and voxels as they are; surfaces were measured round lines "    \
+    "{tetrahedra? Volumes are exact for the tetrahedra and voxels as they are; surfaces were measured along lines "    \
     "0.5 mm from each other.| Volumes are exact for the voxels and closed surfaces as they are; what is in no "        \
-    "surface, or in several that are one area, was measured round 4 × 4 lines through each voxel of the region.}"
+    "surface, or in several that are one area, was measured along 4 × 4 lines through each voxel of the region.}"
 #define VOLUME "The volume that {regions} has in common with each {object} was determined " CONUS " {region}" EXACT
 #define FROM_SAMPLES                                                                                                   \
     " from {Question.options.samples|1024} poses about each given one, drawn from a Sobol sequence with independent "  \
     "normal errors"
 #define SAMPLED " The probability of each object to rank first was estimated" FROM_SAMPLES
 #define CONNECTED                                                                                                      \
-    CONUS " An end had the area that it lies in{Queries.0.endpoint_radius_mm?, else the nearest one within @ mm}. "    \
-          "Streamlines are a model: their number is not that of axons."
+    CONUS " An end was assigned to the area that it lies in{Queries.0.endpoint_radius_mm?, else to the nearest one "   \
+          "within @ mm}. Streamlines are a model: their number is not that of axons."
 
 /* What was asked: by what the rows are of, and where. A sidecar of which none holds is not known. */
 static const struct sentence of_rows[] = {
     {"rays", "The {objects} in {shape} were determined for {poses} " CONUS},
-    {"of=answers point", "The {objects} that contain a point{nearest?, or lie nearest to it where none does,} were "
-                         "determined for {poses} " CONUS},
+    {"of=answers point",
+     "The {objects} at {poses}{nearest?, or nearest to it where there is none,} were determined " CONUS},
     {"of=answers ball", "The {objects} in {shape} were determined for {poses} " CONUS
                         " Distances are to the nearest point of an object's voxels (whole cells) or surface; volumes "
                         "and fractions are of the voxels with their centre in the ball."},
-    {"of=segments", "The {objects} that the device's axis passes, a straight line from the device's position on, were "
+    {"of=segments", "The {objects} along the device's axis, a straight line from the device's position on, were "
                     "determined in order of depth for {poses} " CONUS
                     " Borders are where the axis crosses faces of voxels, or a surface."},
     {"of=clearances",
@@ -60,11 +60,11 @@ static const struct sentence of_rows[] = {
      "The least full opening angle at which a cone about the device's axis, with its apex at the "
      "device's position, contains a point of each {object} was determined, up to {widest}, for "
      "{poses} " CONUS " Points are the centres of voxels, or all points of a surface; occluded objects count."},
-    {"of=connections Question.region=all", "The areas at both ends were determined of all streamlines " CONNECTED},
+    {"of=connections Question.region=all", "The areas at both ends of all streamlines were determined " CONNECTED},
     {"of=connections !Question.region=all",
-     "The areas at both ends were determined of all streamlines that come into {shape} for {poses} " CONNECTED},
+     "The areas at both ends of all streamlines that come into {shape} were determined for {poses} " CONNECTED},
     {"of=calibration",
-     "How far the axis of the device points from a known point that was aimed at was determined from {Settings.trials} "
+     "The deviation of the device's axis from a known point that was aimed at was determined from {Settings.trials} "
      "trials " CONUS
      " Intervals are those of 95 % of Student's t (bias) and chi squared (standard deviations); whether "
      "errors are normal was tested by Mardia's kurtosis, and whether they are alike in all directions by a likelihood "
@@ -75,11 +75,10 @@ static const struct sentence of_rows[] = {
     {"of=positions !Settings.head=own",
      "Positions of the 10-10 system are those of the rule of Jurcak, Tsuzuki and Dan (2007, "
      "doi:10.1016/j.neuroimage.2006.09.024), as SimNIBS computed them on the head of MNI 152, with normals of a "
-     "quadric "
-     "through the nearest of them (Eq. 35 of conus's documentation); they were listed " CONUS},
+     "quadric through the nearest of them (Eq. 35 of conus's documentation); they were listed " CONUS},
     {"of=reliability",
-     "How often the {object} with the largest posterior was the one that was meant was determined from "
-     "{Settings.trials} trials " CONUS " Intervals are Wilson's of 95 % (Eq. 34 of conus's documentation)."},
+     "From {Settings.trials} trials it was determined how often the {object} with the largest posterior was the one "
+     "that was meant, " CONUS " Intervals are Wilson's of 95 % (Eq. 34 of conus's documentation)."},
     {"of=reliability Settings.weight.own_angle_deg",
      " A trial's cone had a full opening angle of {Question.options.angle|{Settings.weight.own_angle_deg}}°, or its "
      "own where the file gives one."},
@@ -136,7 +135,7 @@ static const struct sentence of_settings[] = {
      "of {Settings.weight.sigma_deg}° about each of two axes: an object's weight is the "
      "probability that the axis, if it lies in the cone, meets it before any other (Eq. 30 and 31 of conus's "
      "documentation)."},
-    {"Settings.weight.error", " This error is published, as {Settings.weight.error.measured} (see the references)."},
+    {"Settings.weight.error", " This error is a published one ({Settings.weight.error.measured}; see the references)."},
     {"Settings.weight.form=table", " Places and rays were weighted by a table of {Settings.weight.rows} rows"
                                    "{Settings.weight.unit?, in @} (Eq. 30 and 31 of conus's documentation)."},
     {"Settings.weight.form=coil", " Places were weighted by a model of a coil's field, which falls by half every "
@@ -169,7 +168,7 @@ static const struct sentence of_settings[] = {
              "axes{Settings.error.shift_mm? and }}{Settings.error.shift_mm?@ mm of position along each of three}."},
     {"Question.options.jitter Plan", " Probabilities to break nothing were estimated" FROM_SAMPLES
                                      ": {Question.options.jitter} (options of conus plan)."},
-    {"Settings.error", " These errors are published, as {Settings.error.measured} (see the references)."},
+    {"Settings.error", " These errors are published ones ({Settings.error.measured}; see the references)."},
     {"Places.0", " Places that were named: {Places}."},
     {"Places.0.head=own", " The position {Places.0.name} was found on a scalp by sections through its landmarks, at "
                           "fractions of their lengths (Eq. 35 of conus's documentation)."},
@@ -574,8 +573,8 @@ static void set_numbers(json_t *facts)
     set(facts, "regions",
         json_array_size(fact(facts, "Queries")) == 1 ? "a region of interest" : "each of several regions of interest");
     set(facts, "region",
-        *threshold ? "A region was the %s with values of at %s %s."
-                   : "A region was the voxels of a mask that are not 0.",
+        *threshold ? "A region consisted of the %s with values of at %s %s."
+                   : "A region consisted of the voxels of a mask that are not 0.",
         holds(facts, "tetrahedra") ? "tetrahedra" : "voxels", *threshold == '-' ? "most" : "least", threshold);
 }
 

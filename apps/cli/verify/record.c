@@ -266,8 +266,8 @@ static const char *read_command(struct record *out)
         return refuse("GeneratedBy: Version: \"%.40s\" is none of conus's, which are digits and dots", out->version);
     }
     if (json_unpack(program, "{s: s}", "CommandLine", &command)) {
-        return refuse(
-            "GeneratedBy: has no CommandLine: written by the library or its Python package, not by the program");
+        return refuse("GeneratedBy: has no CommandLine: written by the library, its Python package or a page, not by "
+                      "the program");
     }
     const char *bad = command_line_parse(&out->line, command);
     return bad ? refuse("GeneratedBy: CommandLine %s", bad) : NULL;

@@ -79,7 +79,8 @@ static bool read_sidecar(struct checking *checking)
                     : own             ? strdup(checking->result)
                                       : sidecar_find(checking->result);
     if (!sidecar) {
-        say(&checking->why, "there is no .json beside it that says how it was made; --sidecar FILE.json names it");
+        say(&checking->why, "there is no .json beside it that says how it was made (pictures, pages and meshes have "
+                            "none); --sidecar FILE.json names it");
         return false;
     }
     messages_hold(true);

@@ -242,6 +242,21 @@ static void many_cones_are_what_they_are_alone(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A cone is a workgroup, of which OpenGL promises 65,535 along an axis, however few pixels it has. */
+static void as_many_cones_as_workgroups_are_traced_at_once(void **state)
+{
+    (void)state;
+    static const uint32_t edges[] = {1, 2, 64, 1024};
+    uint64_t random = 66;
+    conus_atlas *atlas = scene_atlas(&random, 6, 0);
+    for (size_t i = 0; i < sizeof edges / sizeof edges[0]; i++) {
+        conus_selector *selector = gl_selector(atlas, (conus_selector_options){.resolution = edges[i]});
+        assert_in_range(selections_at_once(selector), edges[i] <= 64 ? 2 : 1, 65535);
+        conus_selector_destroy(selector);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 /* Pixels that are not wanted have no object, and the wanted ones are the same as among all. */
 static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
 {
@@ -322,6 +337,7 @@ TEST_GROUP(gl_batch)
         cmocka_unit_test(a_real_atlas_gives_the_same_rows),
         cmocka_unit_test(blocks_do_not_move_the_edges_of_meshes),
         cmocka_unit_test(many_cones_are_what_they_are_alone),
+        cmocka_unit_test(as_many_cones_as_workgroups_are_traced_at_once),
         cmocka_unit_test(only_wanted_pixels_are_traced),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(the_driver_was_silent),

@@ -11,8 +11,9 @@
 #include <string.h>
 
 enum { N = 14 };
-/* A grid that is turned, skewed and has voxels of three sizes. */
-static const double GRID[16] = {1.1, 0.3, 0, 0, -0.2, 0.9, 0.1, 0, 0.1, 0.2, 1.7, 0, -5, 3, 20, 1};
+/* A grid that is turned, has voxels of three sizes, and is skewed so much that the nearest centre around a structure
+ * can be outside of the box of voxels that holds it. */
+static const double GRID[16] = {1.1, 0.3, 0, 0, 1.9, 1.1, 0.1, 0, 0.1, 0.2, 1.7, 0, -5, 3, 20, 1};
 
 static void place(double out[3], size_t voxel)
 {

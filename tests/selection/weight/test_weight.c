@@ -167,6 +167,44 @@ static conus_status ask(void *data)
     return status;
 }
 
+/* Angles are of a cone, offsets of a cylinder; only a weight of rays says how probable an axis is (Eq. 30 to 32). */
+static void a_weight_of_another_region_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *weight, *prior, *score;
+        double radius;
+        const char *message;
+    } bad[] = {
+        {NULL, "equal", NULL, 0, "prior: needs a weight"},
+        {NULL, NULL, "posterior", 0, "score: posterior needs a weight"},
+        {"gauss=2", NULL, NULL, 4, "weight: an angle needs a cone, and a radius makes a cylinder"},
+        {"coil=20:9", "equal", NULL, 0,
+         "prior: the posterior needs a weight of rays, and this one depends on the depth"},
+        {"coil=20:9", NULL, "weight", 0, "score: weight needs a weight of rays, and this one depends on the depth"},
+        {"off", NULL, NULL, 0, "weight: an offset needs a cylinder, which has a radius"},
+        {"ball", NULL, "weight", 4,
+         "score: weight needs a weight of rays, and this one depends on the distance from a point"},
+    };
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create_empty(&atlas, ""));
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const char *text = bad[i].weight;
+        conus_selector *selector = NULL;
+        conus_weight *weight = NULL;
+        text = text && text[0] == 'o' ? write_file("off.csv", "weight,offset_mm\n4,3\n0,7\n") : text;
+        text = text && text[0] == 'b' ? write_file("ball.csv", "weight,distance_mm\n4,3\n0,7\n") : text;
+        assert_ok(text ? conus_weight_create(&weight, text) : CONUS_OK);
+        const conus_selector_options options = {
+            .weight = weight, .prior = bad[i].prior, .score = bad[i].score, .radius = bad[i].radius};
+        assert_fails(conus_selector_create(&selector, atlas, &options), CONUS_ERROR_ARGUMENT);
+        assert_string_equal(conus_message(), bad[i].message);
+        assert_null(selector);
+        conus_weight_destroy(weight);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
@@ -192,6 +230,7 @@ TEST_GROUP(weight)
         cmocka_unit_test(no_other_prefix_of_a_table_is_read),
         cmocka_unit_test(a_bias_is_taken_off_in_the_device_s_own_axes),
         cmocka_unit_test(paths_end_before_keys),
+        cmocka_unit_test(a_weight_of_another_region_is_refused),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
