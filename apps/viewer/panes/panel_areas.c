@@ -244,8 +244,13 @@ bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer
         }
     }
     size_t warnings_said = 0;
+    size_t notes_said = 0;
+    char drawn[PAINTER_TEXT];
     while (warning_line(warnings_said)) {
         warnings_said++;
+    }
+    while (note_line(notes_said)) {
+        notes_said++;
     }
     for (size_t i;
          (i = *index - of_atlases, line = i < warnings_said ? warning_line(i) : note_line(i - warnings_said));) {
@@ -256,7 +261,14 @@ bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer
             return true;
         }
     }
-    return false;
+    bool is_last = *index == of_atlases + warnings_said + notes_said && viewer->painter &&
+                   painter_text(drawn, viewer->painter, PAINTER_NOTE);
+    if (is_last) {
+        ++*index;
+        *out = (struct panel_warning){.colour = THEME_HINT};
+        snprintf(out->text, sizeof out->text, "Note of the 3-D picture: %s", drawn);
+    }
+    return is_last;
 }
 
 void panel_warnings(const struct viewer *viewer)

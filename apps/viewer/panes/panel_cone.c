@@ -290,13 +290,12 @@ static void choose_details(struct window *window)
 static void show_times(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    char device[160] = "";
-    char text[320];
-    if (viewer->painter) {
-        painter_device(viewer->painter, device, sizeof device);
-    }
+    char device[PAINTER_TEXT];
+    char text[PAINTER_TEXT + 128];
+    const bool has_device = viewer->painter && painter_text(device, viewer->painter, PAINTER_DEVICE);
     snprintf(text, sizeof text, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
-             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
+             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, has_device ? ", " : "",
+             has_device ? device : "");
     ui_text_wrapped(THEME_HINT, text);
 }
 

@@ -82,6 +82,18 @@ void panel_plan(struct window *window)
     plans_line(line, viewer, true);
     ui_text_wrapped(panel_verdict_colour(verdict), line);
     ui_tip(verdict->details[0] ? verdict->details : "what the constraints of the plan say of the first tool");
+    if (verdict->lost) { /* another atlas, other hemispheres, or it is hidden */
+        const bool is_avoid = verdict->lost->kind == CONUS_CONSTRAINT_AVOID;
+        char text[PLAN_TEXT];
+        snprintf(text, sizeof text,
+                 "%s %.150s: the atlas does not show it. Nothing is judged until it does, or until "
+                 "this goes.",
+                 is_avoid ? "Avoid" : "Target", verdict->lost->names);
+        ui_text_wrapped(THEME_ORANGE, text);
+        if (ui_button(is_avoid ? "Avoid it no more" : "No target", "the plan goes on without this")) {
+            window_request_asked(window, verdict->lost->kind, verdict->lost->names, false);
+        }
+    }
 }
 
 void panel_planned(struct window *window)
