@@ -361,18 +361,10 @@ void panel_areas(struct window *window)
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(ui_room());
-    bool wants_first =
-        ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label",
-                "whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
-                "Enter chooses the first");
-    if (wants_first && viewer->drawn->shown.search[0]) {
-        uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
-        if (best) {
-            viewer_choose(viewer, best);
-        } else {
-            viewer_say(viewer, "nothing is called \"%s\"", viewer->drawn->shown.search);
-        }
-    }
+    panel_search(
+        viewer, "##search", "search name or label",
+        "whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
+        "Enter chooses the first");
     panel_key_button(window, "Show all", "v", "no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);

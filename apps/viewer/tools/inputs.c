@@ -74,12 +74,8 @@ static bool is_at(const struct tool *tool, const conus_pose *pose)
 {
     static const conus_frame world = {.space = CONUS_SPACE_RAS};
     conus_pose turned = *pose;
-    bool is = tool->has_pose;
     conus_frame_turn_pose(&turned, &world, true); /* as tool_aim() keeps it */
-    for (size_t i = 0; i < 16; i++) {
-        is = is && turned.world_from_device[i] == tool->pose.world_from_device[i];
-    }
-    return is;
+    return tool->has_pose && pose_is_same(&turned, &tool->pose);
 }
 
 /* Applies what a source says to its tool. Returns whether there was another pose, or a move. */
