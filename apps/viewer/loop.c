@@ -176,10 +176,11 @@ static void draw_window(struct window *window)
     if (window->forms.show_help) {
         keys_draw_help(window);
     }
-    if (window->forms.figure.open && window->viewer && !window->start.on && !window->dialog.on) {
+    const bool has_forms = window->viewer && !window->start.on && !window->dialog.on;
+    if (window->forms.figure.open && has_forms) {
         panel_figure(window);
     }
-    if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
+    if (window->forms.added.open && has_forms) {
         panel_added(window);
     }
     ui_disable_end();

@@ -146,7 +146,8 @@ typedef struct conus_drawn_point {
                           the colours of a scale where @ref conus_view.group_title says what they are. NULL = none.
                           Not of marks. */
     double at[3];      /**< World mm. A mark is not drawn where one of its ends is behind the camera. */
-    double end[3];     /**< Where the line ends, world mm; of points NaN = there is no line. Not in cuts. */
+    double end[3];     /**< Where the line ends, world mm; of points NaN = there is no line. A cut shows it firmly where
+                          it is as near as a ball's middle has to be, and faintly where it goes on. */
     double radius;     /**< Of the ball, mm, from 0 on; 0 = 1. Balls that would hardly be seen are drawn larger, and the
                           paler the farther they lie behind the atlas's middle. Of a mark's disc, in 14ths of the
                           letters' size; 0 = the line. */

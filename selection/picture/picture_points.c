@@ -32,11 +32,17 @@ static const double HOLE = 0.6;
 /* How much of its colour a ball loses that lies a radius of the atlas behind its middle. */
 static const double PALEST = 0.4;
 
+/* A line that enters a cut is seen up to so many mm from it, as much of it as FAINT where it is beside the cut. */
+static const double BESIDE = 25;
+static const float FAINT = 0.35F;
+
 /* A ball as it is drawn, pixels. */
 struct ball {
     double at[2], radius, depth;
-    double end[2]; /* of its line; NaN = it has none, or it is behind the camera */
-    double pale;   /* 0 = it has its colour, 1 = that of paper */
+    double line[2][2];        /* its ends */
+    double firm[2], whole[2]; /* parts of it, from 0 to 1, that are drawn: firm, and faint around these; 0, 0 = none */
+    double pale;              /* 0 = it has its colour, 1 = that of paper */
+    bool is_beside;           /* the cut shows its line alone */
     size_t index;
 };
 
@@ -156,7 +162,7 @@ static bool project(struct ball *out, const struct picture *picture, size_t inde
     const conus_drawn_point *point = &picture->options.points[index];
     double side[3], at[2], depth;
     vec3_add_scaled(side, point->at, radius_of(point), picture->camera.world_from_camera);
-    *out = (struct ball){.index = index, .end = {NAN, NAN}};
+    *out = (struct ball){.index = index};
     if (!camera_project(&out->at[0], &out->at[1], &out->depth, &picture->camera, &picture->frame, point->at) ||
         !camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, side)) {
         return false;
@@ -164,34 +170,84 @@ static bool project(struct ball *out, const struct picture *picture, size_t inde
     out->radius = fmax(hypot(at[0] - out->at[0], at[1] - out->at[1]), LEAST * picture->em);
     out->pale = paleness(picture, out->depth);
     if (vec3_is_finite(point->end) &&
-        !camera_project(&out->end[0], &out->end[1], &depth, &picture->camera, &picture->frame, point->end)) {
-        out->end[0] = NAN;
+        camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, point->end)) {
+        memcpy(out->line[0], out->at, sizeof out->at);
+        memcpy(out->line[1], at, sizeof at);
+        out->firm[1] = out->whole[1] = 1;
     }
     return true;
 }
 
-/* Where a ball is in a cut: as large as the cut makes it, but not smaller than others; false where it is too far. */
-static bool cut_ball(struct ball *out, const struct picture *picture, const struct picture_plane *plane, size_t index)
+/* Leaves of the parts of a line those in which what is `from` at its begin and `to` at its end is from `low` to `high`;
+ * where none is, the last does not lie behind the first. */
+static void clip(double span[2], double from, double to, double low, double high)
 {
-    const conus_drawn_point *point = &picture->options.points[index];
-    const double radius = radius_of(point);
+    const double ends[2] = {(low - from) / (to - from), (high - from) / (to - from)};
+    if (from != to) {
+        span[0] = fmax(span[0], fmin(ends[0], ends[1]));
+        span[1] = fmin(span[1], fmax(ends[0], ends[1]));
+    } else if (from < low || from > high) {
+        span[1] = span[0];
+    }
+}
+
+/* A place of its line, exactly an end for 0 and 1. */
+static void along_line(double out[2], const struct ball *ball, double part)
+{
+    for (int a = 0; a < 2; a++) {
+        out[a] = (1 - part) * ball->line[0][a] + part * ball->line[1][a];
+    }
+}
+
+static void put_in_plane(double out[2], double *away, const struct picture_plane *plane, const double at[3])
+{
     double offset[3], normal[3];
-    vec3_sub(offset, point->at, plane->centre);
+    vec3_sub(offset, at, plane->centre);
     vec3_cross(normal, plane->right, plane->up);
-    const double away = fabs(vec3_dot(offset, normal));
-    *out = (struct ball){.index = index,
-                         .end = {NAN, NAN},
-                         .depth = away,
-                         .at = {plane->middle[0] + vec3_dot(plane->right, offset) * plane->pixels_per_mm,
-                                plane->middle[1] - vec3_dot(plane->up, offset) * plane->pixels_per_mm}};
-    out->radius = sqrt(fmax(radius * radius - away * away, 0)) * plane->pixels_per_mm;
-    out->radius = fmax(out->radius, LEAST * picture->em);
-    return away <= fmax(radius, CONUS_POINT_NEAR_CUT);
+    *away = vec3_dot(offset, normal);
+    out[0] = plane->middle[0] + vec3_dot(plane->right, offset) * plane->pixels_per_mm;
+    out[1] = plane->middle[1] - vec3_dot(plane->up, offset) * plane->pixels_per_mm;
 }
 
 static bool is_inside(const struct draw_box *box, const double at[2])
 {
     return at[0] >= box->left && at[0] <= box->right && at[1] >= box->top && at[1] <= box->bottom;
+}
+
+/* Where a ball is in a cut: as large as the cut makes it, but not smaller than others; false where neither it nor its
+ * line comes near enough. A line alone has its name where it is nearest to the cut. */
+static bool cut_ball(struct ball *out, const struct picture *picture, const struct picture_plane *plane, size_t index)
+{
+    const conus_drawn_point *point = &picture->options.points[index];
+    const struct draw_box *box = &plane->box;
+    const double radius = radius_of(point);
+    const double slab = fmax(radius, CONUS_POINT_NEAR_CUT);
+    double away[2];
+    *out = (struct ball){.index = index};
+    put_in_plane(out->at, &away[0], plane, point->at);
+    out->depth = fabs(away[0]);
+    out->radius = fmax(sqrt(fmax(radius * radius - away[0] * away[0], 0)) * plane->pixels_per_mm, LEAST * picture->em);
+    out->is_beside = out->depth > slab || !is_inside(box, out->at);
+    if (vec3_is_finite(point->end)) {
+        double(*line)[2] = out->line;
+        memcpy(line[0], out->at, sizeof out->at);
+        put_in_plane(line[1], &away[1], plane, point->end);
+        out->whole[1] = 1;
+        clip(out->whole, line[0][0], line[1][0], box->left, box->right);
+        clip(out->whole, line[0][1], line[1][1], box->top, box->bottom);
+        memcpy(out->firm, out->whole, sizeof out->firm);
+        clip(out->firm, away[0], away[1], -slab, slab);
+        clip(out->whole, away[0], away[1], -BESIDE, BESIDE);
+    }
+    const bool has_line = out->firm[1] > out->firm[0];
+    if (out->is_beside && has_line) {
+        const double crossing = away[0] != away[1] ? away[0] / (away[0] - away[1]) : 0;
+        const double nearest = fmin(fmax(crossing, out->firm[0]), out->firm[1]);
+        along_line(out->at, out, nearest);
+        out->radius = fmax(1.5, LINE * picture->em) / 2;
+        out->depth = fabs(away[0] + nearest * (away[1] - away[0]));
+    }
+    return has_line || !out->is_beside;
 }
 
 /* A colour that has become so pale. */
@@ -209,8 +265,16 @@ static void draw_disc(struct draw_list *list, const double at[2], double radius,
     draw_line(list, at, at, 2 * radius, rgba);
 }
 
-static void draw_ball(struct draw_list *list, const struct picture *picture, const struct ball *ball,
-                      const struct draw_box *limit)
+static void draw_part(struct draw_list *list, const struct ball *ball, const double span[2], double width,
+                      const float rgba[4])
+{
+    double from[2], to[2];
+    along_line(from, ball, span[0]);
+    along_line(to, ball, span[1]);
+    draw_line(list, from, to, width, rgba);
+}
+
+static void draw_ball(struct draw_list *list, const struct picture *picture, const struct ball *ball)
 {
     const double edge = fmax(1, EDGE * picture->em);
     const double line = fmax(1.5, LINE * picture->em);
@@ -218,9 +282,16 @@ static void draw_ball(struct draw_list *list, const struct picture *picture, con
     draw_colour(colour, picture->groups[picture->group_of[ball->index]].rgb, 1);
     blend(colour, colour, picture, picture->has_group_scale ? 0 : ball->pale); /* a scale's colours say numbers */
     blend(casing, PICTURE_CASING, picture, ball->pale);
-    if (is_inside(limit, ball->end)) { /* NaN is not */
-        draw_line(list, ball->at, ball->end, line + 2 * edge, casing);
-        draw_line(list, ball->at, ball->end, line, colour);
+    if (ball->whole[0] < ball->firm[0] || ball->whole[1] > ball->firm[1]) {
+        const float faint[4] = {colour[0], colour[1], colour[2], FAINT};
+        draw_part(list, ball, ball->whole, line / 2, faint);
+    }
+    if (ball->firm[1] > ball->firm[0]) {
+        draw_part(list, ball, ball->firm, line + 2 * edge, casing);
+        draw_part(list, ball, ball->firm, line, colour);
+    }
+    if (ball->is_beside) {
+        return;
     }
     draw_disc(list, ball->at, ball->radius + edge, casing);
     draw_disc(list, ball->at, ball->radius, colour);
@@ -339,7 +410,7 @@ static conus_status draw_balls(struct draw_list *list, const struct picture *pic
     }
     order_sort(balls, count, sizeof *balls, compare_depths);
     for (size_t i = 0; i < count; i++) {
-        draw_ball(list, picture, &balls[i], limit);
+        draw_ball(list, picture, &balls[i]);
         taken[i] = box_of(&balls[i]);
     }
     if (picture->font) {
@@ -361,7 +432,11 @@ conus_status picture_points_draw(struct draw_list *list, const struct picture *p
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < picture->options.point_count; i++) {
-        count += project(&balls[count], picture, i) && is_inside(&limit, balls[count].at);
+        struct ball *ball = &balls[count];
+        count += project(ball, picture, i) && is_inside(&limit, ball->at);
+        if (!is_inside(&limit, ball->line[1])) {
+            ball->firm[1] = ball->whole[1] = 0;
+        }
     }
     if (picture->font && picture->rgba) {
         const size_t all = picture->options.point_count;
@@ -383,7 +458,7 @@ conus_status picture_points_cut(struct draw_list *list, const struct picture *pi
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < picture->options.point_count; i++) {
-        const bool is_shown = cut_ball(&balls[count], picture, plane, i) && is_inside(&plane->box, balls[count].at);
+        const bool is_shown = cut_ball(&balls[count], picture, plane, i);
         count += is_shown;
         shown[i] = shown[i] || is_shown;
     }

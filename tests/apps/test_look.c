@@ -112,13 +112,13 @@ static void paint(uint8_t rgb[3], struct viewer *viewer)
     struct painting what = {.width = SIDE, .height = SIDE, .backdrop = viewer->display.backdrop};
     struct painted picture;
     bool fine = false;
-    char error[256];
+    char error[PAINTER_TEXT];
     what.scene_number = viewer->scene_number;
     orbit_fit(&viewer->orbit, (double[]){SIDE, SIDE});
     eye_of_orbit(&what.eye, &viewer->orbit, (double[]){SIDE, SIDE});
     painter_ask(viewer->painter, &what);
     while (!fine) {
-        assert_false(painter_error(viewer->painter, error, sizeof error));
+        assert_false(painter_text(error, viewer->painter, PAINTER_ERROR));
         if (!painter_take(viewer->painter, &picture)) {
             usleep(1000);
             continue;

@@ -126,11 +126,11 @@ static void straight_edges_and_planes_stay(void **state)
 static struct painted next_picture(struct painter *painter, bool fine)
 {
     struct painted picture = {0};
-    char error[256];
+    char error[PAINTER_TEXT];
     while (!picture.rgba || picture.fine < fine) {
         free(picture.rgba);
         picture.rgba = NULL;
-        assert_false(painter_error(painter, error, sizeof error));
+        assert_false(painter_text(error, painter, PAINTER_ERROR));
         nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
         painter_take(painter, &picture);
     }
@@ -179,6 +179,39 @@ static void a_moving_view_has_no_steps(void **state)
     }
 }
 
+static void count_note(void *user, const conus_note *note)
+{
+    (void)user, (void)note;
+}
+
+/* A driver that has too old an OpenGL: the rays draw, and the thread notes that. */
+static void the_window_hears_what_the_thread_notes(void **state)
+{
+    struct appearance appearance;
+    struct painter *painter = NULL;
+    conus_atlas *atlas = NULL;
+    char note[PAINTER_TEXT];
+    (void)state;
+    test_folder("phantom");
+    assert_ok(conus_phantom_write("sphere", test_in(""), NULL));
+    assert_ok(conus_atlas_load(&atlas, test_in("sphere.nii.gz"), NULL));
+    assert_true(appearance_init(&appearance, 1));
+    setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1);
+    assert_true(painter_create(&painter, atlas, NULL, &appearance, count_note, NULL));
+    while (!painter_text(note, painter, PAINTER_DEVICE)) {
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    }
+    unsetenv("MESA_GL_VERSION_OVERRIDE");
+    if (strstr(note, "rays") || strstr(note, "CPU")) { /* another driver than Mesa's has no such override */
+        assert_true(painter_text(note, painter, PAINTER_NOTE));
+        assert_non_null(strstr(note, "no OpenGL 4.5 core context"));
+    }
+    assert_false(painter_text(note, painter, PAINTER_ERROR));
+    painter_destroy(painter);
+    appearance_finish(&appearance);
+    conus_atlas_destroy(atlas);
+}
+
 /* A picture of another answer, plan or scene than was asked for says so once that has lasted, also while ever newer
  * ones are asked for; one that comes, even if it is late again, has its own time. Where there is none nothing is late.
  */
@@ -224,6 +257,7 @@ TEST_GROUP(painter)
         cmocka_unit_test(straight_edges_and_planes_stay),
         cmocka_unit_test(a_moving_view_has_no_steps),
         cmocka_unit_test(a_late_picture_says_so),
+        cmocka_unit_test(the_window_hears_what_the_thread_notes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -178,6 +178,75 @@ static void a_margin_is_not_lost(void **state)
     viewer_finish(&viewer);
 }
 
+/* Words in another order than the constraints, as a session's and the command line's may be: each is read by itself,
+ * and what goes is what is about the area. The ball is also the area of label 2, and is meant by that. */
+static void an_avoid_is_known_by_what_it_is_about(void **state)
+{
+    static const char *const opened[] = {"--avoid=U,margin=1", "--avoid=Ball,margin=3", "--radius=1", "--depth=10"};
+    static const char *const cases[][2] = {
+        {"[\"--avoid=Ball,margin=3\",\"--avoid=U,margin=1\"]", "[\"--avoid=U,margin=1\"]"},
+        {"[\"--avoid=2,margin=3\",\"--avoid=U,margin=1\"]", "[\"--avoid=U,margin=1\"]"},
+        {"[\"--avoid=U,margin=1\",\"--avoid=\\\"Ball\\\",share=0.1\"]", "[\"--avoid=U,margin=1\"]"},
+        {"[\"--avoid=U,Ball,margin=1\"]", "[\"--avoid=U,Ball,margin=1\"]"},
+    };
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open_phantom(&window, &viewer, "u-shape");
+    assert_int_equal(open_plan(&viewer, opened, 4), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        json_t *words = json_loads(cases[i][0], 0, NULL);
+        json_t *asked = plans_ask(&viewer, words, CONUS_CONSTRAINT_AVOID, "Ball", false);
+        char *text = json_dumps(asked, JSON_COMPACT);
+        assert_string_equal(text, cases[i][1]);
+        free(text);
+        json_decref(asked);
+        json_decref(words);
+    }
+    assert_int_equal(open_plan(&viewer, (const char *const[]){"--avoid=2"}, 1), 0);
+    assert_true(plans_asks(&viewer, CONUS_CONSTRAINT_AVOID, 2));
+    assert_false(plans_asks(&viewer, CONUS_CONSTRAINT_AVOID, 1));
+    viewer_finish(&viewer);
+}
+
+/* Buttons of the panel of the answer in which a text is. */
+static bool panel_offers(struct window *window, const char *label)
+{
+    assert_true(ui_audit_create(1, 1280, 800));
+    ui_audit_begin();
+    panel_results(window);
+    ui_audit_end();
+    const bool offers = ui_audit_place(label) < SIZE_MAX;
+    ui_destroy();
+    return offers;
+}
+
+/* The ball is not in the picture any more: no limit goes silently, also while there is no needle. */
+static void a_limit_whose_area_is_gone_says_so(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    window.screen.scale = 1;
+    window.screen.width = 1280;
+    window.screen.height = 800;
+    screen_divide(&window.screen);
+    assert_null(plans_verdict(&viewer)->lost);
+    assert_false(panel_offers(&window, "Avoid it no more"));
+    viewer_hide(&viewer, 2, true);
+    for (int has_needle = 1; has_needle >= 0; has_needle--) {
+        assert_non_null(plans_verdict(&viewer)->lost);
+        assert_string_equal(plans_verdict(&viewer)->lost->names, "Ball");
+        assert_true(panel_offers(&window, "Avoid it no more"));
+        tool_clear(&viewer);
+    }
+    assert_asked(&viewer, "Ball", false, "[\"--reach=U,length=5\",\"--radius=1\",\"--depth=30\"]");
+    viewer_hide(&viewer, 2, false);
+    assert_null(plans_verdict(&viewer)->lost);
+    viewer_finish(&viewer);
+}
+
 /* The list, the names and the pictures have one colour for what is to be reached, hit or not; only that has it. */
 static void a_target_has_one_colour(void **state)
 {
@@ -562,6 +631,8 @@ TEST_GROUP(plans)
         cmocka_unit_test(a_row_without_a_depth_is_no_needle),
         cmocka_unit_test(a_coil_is_judged_by_the_objects_of_the_plan),
         cmocka_unit_test(a_margin_is_not_lost),
+        cmocka_unit_test(an_avoid_is_known_by_what_it_is_about),
+        cmocka_unit_test(a_limit_whose_area_is_gone_says_so),
         cmocka_unit_test(a_target_has_one_colour),
         cmocka_unit_test(the_answer_is_whether_the_target_is_reached),
         cmocka_unit_test(the_needle_is_kept_not_its_first_hit),

@@ -195,6 +195,39 @@ static void a_list_takes_the_place_of_another_one(void **state)
     json_decref(with);
 }
 
+static size_t count_hits(const struct viewer *viewer)
+{
+    const conus_result *result;
+    size_t count = 0;
+    for (size_t i = 0; (result = conus_selection_result(viewer_selection(viewer), i)); i++) {
+        count += result->object > 0;
+    }
+    return count;
+}
+
+/* From x = -50 the largest ball begins at 26 mm, the middle one at 34: a needle of 30 mm ends before that, and what is
+ * drawn is what is asked. The next row has no end, and the mouse has none after it. */
+static void a_needle_of_a_list_ends(void **state)
+{
+    static const char text[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,30\nN2,-50,0,0,1,0,0,n/a\n";
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    assert_int_equal(use_list(&scene, text), 0);
+    scene.viewer.cone.options.radius = 1;
+    scene.viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    points_choose(&scene.viewer, 1);
+    assert_near(scene.viewer.cone.options.range[1], 30, 0);
+    assert_int_equal(count_hits(&scene.viewer), 1);
+    points_choose(&scene.viewer, 2);
+    assert_near(scene.viewer.cone.options.range[1], 0, 0);
+    assert_int_equal(count_hits(&scene.viewer), 3);
+    points_choose(&scene.viewer, 1);
+    points_choose(&scene.viewer, 0);
+    assert_near(scene.viewer.cone.options.range[1], 0, 0);
+    viewer_finish(&scene.viewer);
+}
+
 TEST_GROUP(point_list)
 {
     const struct CMUnitTest tests[] = {
@@ -204,6 +237,7 @@ TEST_GROUP(point_list)
         cmocka_unit_test(a_chosen_pose_is_a_cone),
         cmocka_unit_test(a_session_keeps_what_is_chosen),
         cmocka_unit_test(lists_that_cannot_be_drawn_are_refused),
+        cmocka_unit_test(a_needle_of_a_list_ends),
         cmocka_unit_test(a_list_takes_the_place_of_another_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -454,13 +454,13 @@ static double fade_drawn(struct viewer *viewer)
                             .leaves_context = viewer_leaves_context(viewer),
                             .scene_number = viewer->scene_number};
     struct painted picture = {0};
-    char error[256];
+    char error[PAINTER_TEXT];
     assert_ok(conus_pose_along(&what.eye.camera, eye, back, NULL));
     painter_ask(viewer->painter, &what);
     do {
         free(picture.rgba);
         picture = (struct painted){0};
-        assert_false(painter_error(viewer->painter, error, sizeof error));
+        assert_false(painter_text(error, viewer->painter, PAINTER_ERROR));
         sched_yield();
         painter_take(viewer->painter, &picture);
     } while (!picture.rgba || picture.what.scene_number != what.scene_number ||

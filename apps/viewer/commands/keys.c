@@ -22,18 +22,14 @@ static void toggle_help(struct window *window)
     window->forms.show_help = !window->forms.show_help;
 }
 
-static void hide_chosen(struct window *window)
+/* Hides or shows the chosen area, or hides all others. */
+static void hide_chosen(struct window *window, const int by[3])
 {
-    struct viewer *viewer = window->viewer;
-    if (viewer->drawn->shown.chosen) {
-        viewer_hide(viewer, viewer->drawn->shown.chosen, !viewer->drawn->shown.hidden[viewer->drawn->shown.chosen]);
-    }
-}
-
-static void isolate_chosen(struct window *window)
-{
-    if (window->viewer->drawn->shown.chosen) {
-        viewer_isolate(window->viewer, window->viewer->drawn->shown.chosen);
+    const struct shown_objects *shown = &window->viewer->drawn->shown;
+    if (shown->chosen && by[0]) {
+        viewer_isolate(window->viewer, shown->chosen);
+    } else if (shown->chosen) {
+        viewer_hide(window->viewer, shown->chosen, !shown->hidden[shown->chosen]);
     }
 }
 
@@ -384,8 +380,8 @@ static const struct key keys[] = {
     {"ctrl+r", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL},
     {"t", "the view of a tracked head, or the one that the mouse turns", .act = toggle_head},
     {"n", "draw the next of several atlases", .act = draw_next, .ends_column = true},
-    {"h", "hide or show the chosen area", .act = hide_chosen, .group = "Hide, undo"},
-    {"i", "show the chosen area only", .act = isolate_chosen},
+    {"h", "hide or show the chosen area", .move = hide_chosen, .group = "Hide, undo"},
+    {"i", "show the chosen area only", .move = hide_chosen, .by = {1}},
     {"ctrl+z", "take back the last change; U, too", .step = undo_step, .by = {-1}},
     {"u", NULL, .step = undo_step, .by = {-1}},
     {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .step = undo_step, .by = {1}},
@@ -518,11 +514,14 @@ static void press(struct window *window, const struct key *key)
     }
 }
 
-/* Presses a key that needs no atlas; false = it is none. */
-static bool press_anywhere(struct window *window, const char *key)
+/* Presses the first key of that name that is one now: without an atlas of few, of a wand's while a tool is moved as
+ * one. False = there is none. */
+static bool press_row(struct window *window, const char *key, bool has_atlas)
 {
+    const bool has_wand = has_atlas && tool_moved_by(window->viewer, POINT_BY_WAND) < TOOL_COUNT;
     for (size_t i = 0; i < KEYS; i++) {
-        if (keys[i].is_anywhere && strcasecmp(keys[i].key, key) == 0) {
+        const bool is_one = has_atlas ? has_wand || !keys[i].is_of_wand : keys[i].is_anywhere;
+        if (is_one && strcasecmp(keys[i].key, key) == 0) {
             press(window, &keys[i]);
             return true;
         }
@@ -543,7 +542,7 @@ static bool press_in_dialog(struct window *window, const char *key)
     } else if (strcasecmp(key, "tab") == 0) {
         dialog->takes_keys = true;
     } else {
-        return strcasecmp(key, "ctrl+q") == 0 && press_anywhere(window, key);
+        return strcasecmp(key, "ctrl+q") == 0 && press_row(window, key, false);
     }
     return true;
 }
@@ -587,7 +586,7 @@ static bool press_at_start(struct window *window, const char *key)
     } else if (strcasecmp(key, "escape") == 0 && window->viewer) {
         start->on = false;
     } else {
-        return press_anywhere(window, key) || (!isdigit((unsigned char)key[0]) && type_at_start(start, key));
+        return press_row(window, key, false) || (!isdigit((unsigned char)key[0]) && type_at_start(start, key));
     }
     return true;
 }
@@ -610,7 +609,7 @@ static bool press_in_question(struct window *window, const char *key)
     } else if (strcasecmp(key, "escape") == 0) {
         window_answer(window, OPEN_ASKS);
     } else {
-        return strcasecmp(key, "ctrl+q") == 0 && press_anywhere(window, key);
+        return strcasecmp(key, "ctrl+q") == 0 && press_row(window, key, false);
     }
     return true;
 }
@@ -630,14 +629,7 @@ bool keys_press(struct window *window, const char *key)
     if (asks && strcasecmp(key, "escape") != 0 && strncasecmp(key, "ctrl+", 5) != 0) {
         return true; /* the question is before the brain: a second Enter confirms nothing */
     }
-    bool has_wand = tool_moved_by(window->viewer, POINT_BY_WAND) < TOOL_COUNT;
-    for (size_t i = 0; i < KEYS; i++) {
-        if ((has_wand || !keys[i].is_of_wand) && strcasecmp(keys[i].key, key) == 0) {
-            press(window, &keys[i]);
-            return true;
-        }
-    }
-    return false;
+    return press_row(window, key, true);
 }
 
 /* Whether a row has the text that is searched, in its key or in what it does. */

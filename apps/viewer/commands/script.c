@@ -13,6 +13,7 @@
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
+#include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -256,31 +257,20 @@ static bool do_ask(struct call *call)
     return query_set_words(call->viewer, words, 1 + (int)call->count);
 }
 
-/* @p out: [3], of which @p least have to be given; "off" ends the study. */
-static bool use_study(struct call *call, struct study_settings *study, enum study_kind kind, double *const out[3],
-                      size_t least)
+/* Begins the study that the command is called after, with its numbers; "off" ends it. */
+static bool do_study_of(struct call *call)
 {
+    struct study_settings study = call->viewer->study.settings;
+    const bool sweeps = strcmp(call->words[0], "sweep") == 0;
+    double *const out[2][3] = {{&study.tilt_deg, &study.shift_mm, &study.samples},
+                               {&study.angles[0], &study.angles[1], &study.angles[2]}};
     bool ends = call->count == 1 && is_word(call, 0, "off");
-    bool fine = ends || call->count >= least;
-    for (size_t i = 0; i < call->count && i < 3 && fine && !ends; i++) {
-        fine = numbers(out[i], call, i, 1);
+    bool fine = ends || call->count >= (sweeps ? 3 : 2);
+    for (size_t i = 0; i < call->count && fine && !ends; i++) {
+        fine = numbers(out[sweeps][i], call, i, 1);
     }
-    study->kind = ends ? STUDY_NONE : kind;
-    return fine && is_fine(studies_use(call->viewer, study), call->viewer->message);
-}
-
-static bool do_sweep(struct call *call)
-{
-    struct study_settings study = call->viewer->study.settings;
-    double *const out[3] = {&study.angles[0], &study.angles[1], &study.angles[2]};
-    return use_study(call, &study, STUDY_SWEEP, out, 3);
-}
-
-static bool do_jitter(struct call *call)
-{
-    struct study_settings study = call->viewer->study.settings;
-    double *const out[3] = {&study.tilt_deg, &study.shift_mm, &study.samples};
-    return use_study(call, &study, STUDY_JITTER, out, 2);
+    study.kind = ends ? STUDY_NONE : sweeps ? STUDY_SWEEP : STUDY_JITTER;
+    return fine && is_fine(studies_use(call->viewer, &study), call->viewer->message);
 }
 
 /* Writes the table that conus sweep would write. */
@@ -337,24 +327,16 @@ static bool do_choose(struct call *call)
     return object;
 }
 
-static bool do_target(struct call *call)
+/* Asks the plan for a target, or for none without a name; or to avoid an area, or not any more. */
+static bool do_asked(struct call *call)
 {
+    const bool is_target = strcmp(call->words[0], "target") == 0;
     const conus_atlas *atlas = call->viewer->atlases->atlas;
     const conus_object *object = call->count ? conus_atlas_object(atlas, search_best(atlas, call->arguments[0])) : NULL;
-    bool fine = object || !call->count;
+    bool fine = (object || !call->count) && (call->count < 2 || is_word(call, 1, "off"));
     if (fine) {
-        window_request_asked(call->window, CONUS_CONSTRAINT_REACH, object ? object->name : "", object);
-    }
-    return fine;
-}
-
-static bool do_avoid(struct call *call)
-{
-    const conus_atlas *atlas = call->viewer->atlases->atlas;
-    const conus_object *object = conus_atlas_object(atlas, search_best(atlas, call->arguments[0]));
-    bool fine = object && (call->count == 1 || is_word(call, 1, "off"));
-    if (fine) {
-        window_request_asked(call->window, CONUS_CONSTRAINT_AVOID, object->name, call->count == 1);
+        window_request_asked(call->window, is_target ? CONUS_CONSTRAINT_REACH : CONUS_CONSTRAINT_AVOID,
+                             object ? object->name : "", call->count == 1);
     }
     return fine;
 }
@@ -738,11 +720,11 @@ static const struct script_command {
     {"head", 1, 3, "X Y Z, after screen, or lost", .act = do_head},
     {"angle", 1, 1, "DEGREES", .act = do_angle},
     {"ask", 0, SCRIPT_WORDS - 1, "OPTION..., those of conus query that say how the cone asks", .act = do_ask},
-    {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_sweep},
-    {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
+    {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_study_of},
+    {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_study_of},
     {"study", 1, 1, "FILE.tsv", .act = do_study},
-    {"target", 0, 1, "[NAME]", .act = do_target},
-    {"avoid", 1, 2, "NAME [off]", .act = do_avoid},
+    {"target", 0, 1, "[NAME]", .act = do_asked},
+    {"avoid", 1, 2, "NAME [off]", .act = do_asked},
     {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned, .numbers = 1},
     {"plan", 1, 1, "FILE.tsv", .act = do_plan},
     {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},
@@ -881,6 +863,53 @@ static bool run_line(struct script *script, struct window *window, char *const *
     return fine;
 }
 
+static json_t *pack_numbers(const struct shown_numbers *shown)
+{
+    return json_pack("{sI sI sI sI}", "answer", (json_int_t)shown->answer, "plan", (json_int_t)shown->plan, "scene",
+                     (json_int_t)shown->scene, "second", (json_int_t)shown->second);
+}
+
+static json_t *pack_sum(uint64_t sum)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%016" PRIx64, sum);
+    return json_string(text);
+}
+
+/* Writes the viewer's numbers (`is`), and those of each place that the newest frame has: `list`, `labels`, `status`,
+ * `picture`; `colours` is the sum of the answer, and `cuts` are those of the answers that they were drawn for. */
+static bool write_state(const struct window *window, const char *path)
+{
+    static const char *const names[SHOWN_PLACES] = {"list", "labels", "status"};
+    const struct viewer *viewer = window->viewer;
+    const struct tool *tools = viewer->tools;
+    const struct pictures *pictures = &window->pictures;
+    const bool is_covered = window->start.on || window->dialog.on;
+    const struct painting *drawn = &pictures->drawn;
+    const struct shown_numbers is = {true, tools[FIRST_TOOL].answer_number, viewer->plan.number, viewer->scene_number,
+                                     tools[SECOND_TOOL].version};
+    json_t *state =
+        json_pack("{so so s[]}", "is", pack_numbers(&is), "colours", pack_sum(tool_answer_sum(viewer)), "cuts");
+    for (size_t i = 0; i < SHOWN_PLACES; i++) {
+        if (window->frame.shows[i].is_there) {
+            json_object_set_new(state, names[i], pack_numbers(&window->frame.shows[i]));
+        }
+    }
+    if (!is_covered && pictures->painted.name && screen_shows_pane(&window->screen, PANE_3D)) {
+        json_object_set_new(state, "picture",
+                            json_pack("{sI sI sI}", "answer", (json_int_t)drawn->answer_number, "plan",
+                                      (json_int_t)drawn->plan_number, "scene", (json_int_t)drawn->scene_number));
+    }
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        if (!is_covered && screen_shows_pane(&window->screen, p)) {
+            json_array_append_new(json_object_get(state, "cuts"), pack_sum(pictures->cuts[p].answer_sum));
+        }
+    }
+    const bool fine = state && !json_dump_file(state, path, JSON_INDENT(1));
+    json_decref(state);
+    return fine;
+}
+
 bool script_waits(struct script *script, const struct window *window)
 {
     double now = clock_ms();
@@ -891,7 +920,7 @@ bool script_waits(struct script *script, const struct window *window)
     }
     if (script->state && (window_rests(window) || now >= script->until)) {
         script->is_unwritten =
-            !state_write(window, script->state) && !fail_line(script, "state FILE.json: the file cannot be written");
+            !write_state(window, script->state) && !fail_line(script, "state FILE.json: the file cannot be written");
         free(script->state);
         script->state = NULL;
     }

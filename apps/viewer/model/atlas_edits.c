@@ -5,6 +5,7 @@
 #include "viewer/model/viewer.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -219,46 +220,37 @@ void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct appe
     }
 }
 
-/* Exchanges those of pathways before @p end, or up to one that fails, where @p end is then. */
-static conus_status swap_some(struct view_atlas *view, double *thresholds, uint32_t *end)
+/* Exchanges the first `end` thresholds of all atlases, or those up to one that fails, which `end` counts then. */
+static conus_status swap_thresholds(struct viewer *viewer, double *const *thresholds, size_t *end)
 {
-    conus_status status = CONUS_OK;
-    for (uint32_t number = 1; number < *end; number++) {
-        const conus_volume_info *info = view_atlas_pathway(view, number);
-        if (info) {
-            double was = info->threshold;
-            status = conus_atlas_set_threshold(view->atlas, number, thresholds[number]);
-            thresholds[number] = status ? thresholds[number] : was;
-            *end = status ? number : *end;
+    size_t at = 0;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        struct view_atlas *view = &viewer->atlases[i];
+        for (uint32_t number = 1; thresholds[i] && number <= view->object_count && at < *end; number++) {
+            const conus_volume_info *info = view_atlas_pathway(view, number);
+            if (!info) {
+                continue;
+            }
+            const double was = info->threshold;
+            const conus_status status = conus_atlas_set_threshold(view->atlas, number, thresholds[i][number]);
+            if (status) {
+                *end = at;
+                return status;
+            }
+            thresholds[i][number] = was;
+            at++;
         }
     }
-    return status;
+    return CONUS_OK;
 }
 
-/* Swaps all thresholds of an atlas, or none. */
-static conus_status swap_thresholds(struct viewer *viewer, struct view_atlas *view, double *thresholds)
-{
-    uint32_t end = (uint32_t)view->object_count + 1;
-    conus_status status = thresholds ? swap_some(view, thresholds, &end) : CONUS_OK;
-    if (status && swap_some(view, thresholds, &end)) {
-        viewer_say(viewer, "not enough memory");
-    }
-    return status;
-}
-
-/* All of all atlases, or none. */
+/* All of them, or none. */
 static conus_status change_thresholds(struct viewer *viewer, double *const *thresholds)
 {
-    conus_status status = CONUS_OK;
-    size_t done = 0;
-    while (done < viewer->atlas_count && !status) {
-        status = swap_thresholds(viewer, &viewer->atlases[done], thresholds[done]);
-        done += !status;
-    }
-    for (size_t i = 0; i < done && status; i++) {
-        if (swap_thresholds(viewer, &viewer->atlases[i], thresholds[i])) {
-            viewer_say(viewer, "not enough memory");
-        }
+    size_t end = SIZE_MAX;
+    const conus_status status = swap_thresholds(viewer, thresholds, &end);
+    if (status && swap_thresholds(viewer, thresholds, &end)) {
+        viewer_say(viewer, "not enough memory");
     }
     return status;
 }

@@ -336,7 +336,12 @@ size_t *result_order(const struct viewer *viewer, const struct view_atlas *view,
     size_t count = conus_selection_count(selection);
     struct row *rows = calloc(count + 1, sizeof *rows);
     size_t *order = calloc(count + 1, sizeof *order);
-    for (size_t i = 0; rows && order && i < count; i++) {
+    if (!rows || !order) {
+        free(rows);
+        free(order);
+        return NULL;
+    }
+    for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, i);
         bool is_text = result_is_text(column);
         rows[i] = (struct row){.index = i,
@@ -344,15 +349,9 @@ size_t *result_order(const struct viewer *viewer, const struct view_atlas *view,
                                .value = is_text ? NAN : value_of(viewer, view, of, result),
                                .is_unassigned = !result->object};
     }
-    if (rows && order) {
-        order_sort_by(rows, count, sizeof *rows, compare_rows, &falls);
-    }
-    for (size_t i = 0; rows && order && i < count; i++) {
+    order_sort_by(rows, count, sizeof *rows, compare_rows, &falls);
+    for (size_t i = 0; i < count; i++) {
         order[i] = rows[i].index;
-    }
-    if (!rows) {
-        free(order);
-        order = NULL;
     }
     free(rows);
     return order;

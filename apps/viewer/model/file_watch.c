@@ -19,8 +19,8 @@ struct state {
 
 struct file_watch {
     const conus_atlas *atlas;
-    struct state *states; /* [count] of volumes and then of other files, as they were looked at last */
-    struct state *first;  /* [count] and at first */
+    struct state (
+        *states)[2]; /* [count] of volumes and then of other files, as they were looked at last, and at first */
     size_t count;
 };
 
@@ -54,7 +54,6 @@ void file_watch_destroy(struct file_watch *watch)
 {
     if (watch) {
         free(watch->states);
-        free(watch->first);
         free(watch);
     }
 }
@@ -68,13 +67,12 @@ struct file_watch *file_watch_create(const conus_atlas *atlas)
     watch->atlas = atlas;
     watch->count = count_files(atlas);
     watch->states = calloc(watch->count + 1, sizeof *watch->states);
-    watch->first = calloc(watch->count + 1, sizeof *watch->first);
-    if (!watch->states || !watch->first) {
+    if (!watch->states) {
         file_watch_destroy(watch);
         return NULL;
     }
     for (size_t i = 0; i < watch->count; i++) {
-        watch->states[i] = watch->first[i] = look_at_file(path_of(watch->atlas, i));
+        watch->states[i][0] = watch->states[i][1] = look_at_file(path_of(watch->atlas, i));
     }
     return watch;
 }
@@ -95,7 +93,7 @@ const char *file_watch_find_other(const struct file_watch *watch, const conus_at
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch->atlas, i);
         struct state is = look_at_file(path);
-        if (!is_same_state(&is, &watch->first[i]) && has_file(now, path_name(path))) {
+        if (!is_same_state(&is, &watch->states[i][1]) && has_file(now, path_name(path))) {
             return path_name(path);
         }
     }
@@ -108,14 +106,14 @@ bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT])
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch->atlas, i);
         struct state now = look_at_file(path);
-        if (is_same_state(&now, &watch->states[i])) {
+        if (is_same_state(&now, &watch->states[i][0])) {
             continue;
         }
         if (changes++ == 0) {
             snprintf(text, FILE_WATCH_TEXT, "%.60s %s disk: what is shown was read before", path_name(path),
                      now.is_there ? "changed on" : "is gone from");
         }
-        watch->states[i] = now;
+        watch->states[i][0] = now;
     }
     if (changes > 1) {
         size_t used = strlen(text);

@@ -49,23 +49,18 @@ static size_t count_best(const struct viewer *viewer, const conus_selection *sel
     return count;
 }
 
-/* The title of an object, with the atlas's name before a number. */
-static const char *title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, uint32_t object)
-{
-    const char *title = view_atlas_title(out, view, object); /* a number has no prefix */
-    return path_title(out, VIEW_ATLAS_TITLE, title, view->name[0] ? view->name : view->path);
-}
-
-/* "A", "A and B", "A, B and C", "A, B, C and 2 more" */
+/* "A", "A and B", "A, B and C", "A, B, C and 2 more"; with the atlas's name before a number. */
 static void name_best(char out[HEADLINE_TEXT], const struct viewer *viewer, const conus_selection *selection,
                       size_t count)
 {
     size_t used = 0;
     for (size_t i = 0; i < count && i < NAMED && used < HEADLINE_TEXT; i++) {
-        char title[VIEW_ATLAS_TITLE];
+        char buffer[VIEW_ATLAS_TITLE];
+        const struct view_atlas *view = viewer->drawn;
         const char *before = !i ? "" : i + 1 == count ? " and " : ", ";
-        used += (size_t)snprintf(out + used, HEADLINE_TEXT - used, "%s%s", before,
-                                 title_of(title, viewer->drawn, conus_selection_result(selection, i)->object));
+        const char *title = view_atlas_title(buffer, view, conus_selection_result(selection, i)->object);
+        title = path_title(buffer, VIEW_ATLAS_TITLE, title, view->name[0] ? view->name : view->path);
+        used += (size_t)snprintf(out + used, HEADLINE_TEXT - used, "%s%s", before, title);
     }
     if (count > NAMED && used < HEADLINE_TEXT) {
         snprintf(out + used, HEADLINE_TEXT - used, " and %zu more", count - NAMED);

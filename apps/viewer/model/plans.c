@@ -111,32 +111,45 @@ static char *quote(const char *name)
     return text.data;
 }
 
-/* Whether a constraint is about this alone. */
-static bool is_of_name(const conus_constraint *asked, const char *name, const char *quoted)
+/* Whether names are of one thing alone, and that is this one: as it is called, or in other words for the same object.
+ */
+static bool is_of_name(const struct viewer *viewer, const char *names, const char *name, const char *quoted)
 {
-    return strcmp(asked->names, name) == 0 || strcmp(asked->names, quoted) == 0;
+    const conus_atlas *atlas = viewer->atlases->atlas;
+    uint32_t found[2];
+    return strcmp(names, name) == 0 || strcmp(names, quoted) == 0 ||
+           (!strpbrk(names, ",\"") && !conus_atlas_find(&found[0], atlas, names) &&
+            !conus_atlas_find(&found[1], atlas, name) && found[0] == found[1]);
+}
+
+/* Whether a word asks to avoid this alone; in *is_plain whether by nothing but touching it. It is read by itself: words
+ * and the constraints of the plan need not have one order. */
+static bool avoids(bool *is_plain, const struct viewer *viewer, const char *value, const char *name, const char *quoted)
+{
+    struct option_use use = {.option = &constraint_options[CONUS_CONSTRAINT_AVOID], .value = value};
+    struct constraints read = {0};
+    const bool is = !constraints_parse(&read, &(struct arguments){.uses = &use, .use_count = 1}) &&
+                    is_of_name(viewer, read.items[0].names, name, quoted);
+    *is_plain = is && !read.items[0].measure && !read.items[0].shank;
+    constraints_finish(&read);
+    return is;
 }
 
 json_t *plans_ask(const struct viewer *viewer, const json_t *words, conus_constraint_kind kind, const char *name,
                   bool asks)
 {
-    const struct constraints *now = &viewer->plan.task.constraints;
     char *quoted = quote(name);
     json_t *all = json_array();
     bool fine = all && quoted;
     bool is_there = false; /* a margin that was asked for is not lost */
-    size_t item = 0;       /* constraints are in the order of their words */
     for (size_t i = 0; i < json_array_size(words) && fine; i++) {
         json_t *word = json_array_get(words, i);
-        bool goes = word_value(json_string_value(word), constraint_options[kind].name);
-        if (goes && kind == CONUS_CONSTRAINT_AVOID) {
-            while (item < now->count && now->items[item].kind != kind) {
-                item++;
-            }
-            const conus_constraint *avoid = item < now->count ? &now->items[item++] : NULL;
-            const bool is = avoid && is_of_name(avoid, name, quoted);
-            is_there = is_there || (is && asks && !avoid->measure && !avoid->shank);
-            goes = is && !asks;
+        const char *value = word_value(json_string_value(word), constraint_options[kind].name);
+        bool goes = value;
+        if (value && kind == CONUS_CONSTRAINT_AVOID) {
+            bool is_plain;
+            goes = avoids(&is_plain, viewer, value, name, quoted) && !asks;
+            is_there = is_there || is_plain;
         }
         fine = goes || !json_array_append(all, word);
     }
@@ -180,7 +193,7 @@ bool plans_asks(const struct viewer *viewer, conus_constraint_kind kind, uint32_
     char *quoted = is ? quote(is->name) : NULL;
     bool found = false;
     for (size_t i = 0; i < asked->count && quoted; i++) {
-        found = found || (asked->items[i].kind == kind && is_of_name(&asked->items[i], is->name, quoted));
+        found = found || (asked->items[i].kind == kind && is_of_name(viewer, asked->items[i].names, is->name, quoted));
     }
     free(quoted);
     return found;
@@ -436,6 +449,20 @@ static void judge_cone(struct plan_verdict *out, const struct viewer *viewer)
     snprintf(out->details, sizeof out->details, "lengths and margins are not judged: it has no depth");
 }
 
+/* Finds what is asked of an area that the atlas does not show, or does not have any more. */
+static void find_lost(struct plan_verdict *out, const struct viewer *viewer)
+{
+    const struct plan_state *state = &viewer->plan;
+    for (size_t i = 0; i < state->task.constraints.count && state->selector && !out->lost; i++) {
+        const conus_constraint *asked = &state->task.constraints.items[i];
+        conus_plan *alone = NULL;
+        if (asked->kind <= CONUS_CONSTRAINT_AVOID && conus_plan_create(&alone, state->selector, asked, 1, NULL)) {
+            out->lost = asked;
+        }
+        conus_plan_destroy(alone);
+    }
+}
+
 /* Judges the tool as it is now. */
 static void judge(struct plan_verdict *out, struct viewer *viewer)
 {
@@ -444,13 +471,14 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     const conus_planned *planned = NULL;
     *out = (struct plan_verdict){.state = PLAN_UNKNOWN};
     const bool has_axis = tool_has_cone(viewer, FIRST_TOOL);
+    conus_status status = prepare_live(viewer); /* what is lost is said before there is a needle, too */
     const bool is_of_list =
         viewer->chosen_point || tool->pointer == POINT_BY_REPLAY; /* which has the depths of needles */
-    if (has_axis && !(range[1] > 0) && is_of_list && !prepare_live(viewer)) {
+    if (!status && has_axis && !(range[1] > 0) && is_of_list) {
         judge_cone(out, viewer);
         return;
     }
-    if (!has_axis || !(range[1] > 0)) {
+    if (!status && (!has_axis || !(range[1] > 0))) {
         snprintf(out->text, sizeof out->text, "%s",
                  !has_axis ? "no pose yet: point at the brain" : "no depth yet: F5 sets the tip");
         return;
@@ -460,12 +488,12 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
                           .angle = viewer->cone.options.radius > 0 ? 0 : tool->angle,
                           .range = {range[0], range[1]}};
     conus_frame_turn_pose(&row.pose, &viewer->frame, true);
-    conus_status status = prepare_live(viewer);
     status = status ? status : conus_plan_try(&planned, viewer->plan.live, &row);
     if (status) {
         out->state = PLAN_FAILED;
         snprintf(out->text, sizeof out->text, "not judged: %s",
                  status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
+        find_lost(out, viewer);
     } else {
         word(out, viewer, planned);
     }

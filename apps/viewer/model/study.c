@@ -18,26 +18,18 @@ const struct study_settings study_defaults = {.angles = {2, 40, 2}, .tilt_deg = 
 const char *study_fault(const struct study_settings *settings)
 {
     const double *angles = settings->angles;
-    size_t count = angles_count(angles);
-    if (!count) {
-        return "angles: from, to and by are needed, \"to\" from \"from\" on and \"by\" above 0";
-    }
-    if (count > ANGLE_LIMIT) {
-        return "angles: there are more than 1000";
-    }
-    if (!(angles[0] > 0 && angles_at(angles, count - 1) < 180)) {
-        return "angles: allowed is more than 0 and less than 180 degrees";
-    }
-    if (!(settings->tilt_deg >= 0 && settings->tilt_deg <= 90)) {
-        return "jitter: a tilt of 0 to 90 degrees is needed";
-    }
-    if (!(settings->shift_mm >= 0 && settings->shift_mm <= 1e6)) {
-        return "jitter: a shift of 0 to 1000000 mm is needed";
-    }
+    const size_t count = angles_count(angles);
+    const bool has_angles = count && angles[0] > 0 && angles_at(angles, count - 1) < 180;
     int exponent;
     bool is_power_of_two =
         settings->samples >= 16 && settings->samples <= 1048576 && frexp(settings->samples, &exponent) == 0.5;
-    return is_power_of_two ? NULL : "jitter: samples: a power of two from 16 to 1048576 is needed";
+    return !count                ? "angles: from, to and by are needed, \"to\" from \"from\" on and \"by\" above 0"
+           : count > ANGLE_LIMIT ? "angles: there are more than 1000"
+           : !has_angles         ? "angles: allowed is more than 0 and less than 180 degrees"
+           : !(settings->tilt_deg >= 0 && settings->tilt_deg <= 90)  ? "jitter: a tilt of 0 to 90 degrees is needed"
+           : !(settings->shift_mm >= 0 && settings->shift_mm <= 1e6) ? "jitter: a shift of 0 to 1000000 mm is needed"
+           : !is_power_of_two ? "jitter: samples: a power of two from 16 to 1048576 is needed"
+                              : NULL;
 }
 
 bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b)

@@ -163,11 +163,13 @@ enum { PLAN_TEXT = 256, PLAN_LINE = 320, PLAN_DETAILS = 2048 };
 /** The verdict of a plan's constraints on the first tool. */
 struct plan_verdict {
     enum { PLAN_UNKNOWN = 0, PLAN_HOLDS, PLAN_BREAKS, PLAN_FAILED } state;
-    char text[PLAN_TEXT];       /**< "holds, 1.8 mm to Insula_L"; */
-    char leeway[32];            /**< follows it: ", may be off by 0.66 mm". */
-    char reaches[PLAN_TEXT];    /**< "Reaches U", "Does not reach U"; "" where nothing is to be reached. */
-    char clears[PLAN_TEXT];     /**< "4.0 mm from Ball", "touches Ball"; "" where nothing is to be clear of it. */
-    char details[PLAN_DETAILS]; /**< A line for each constraint; "" where it is unknown. */
+    char text[PLAN_TEXT];         /**< "holds, 1.8 mm to Insula_L"; */
+    char leeway[32];              /**< follows it: ", may be off by 0.66 mm". */
+    char reaches[PLAN_TEXT];      /**< "Reaches U", "Does not reach U"; "" where nothing is to be reached. */
+    char clears[PLAN_TEXT];       /**< "4.0 mm from Ball", "touches Ball"; "" where nothing is to be clear of it. */
+    char details[PLAN_DETAILS];   /**< A line for each constraint; "" where it is unknown. */
+    const conus_constraint *lost; /**< The first whose area the atlas does not show, for which nothing is judged; NULL =
+                                     none. The plan's. */
 };
 
 /** The state of model/viewer.h. */

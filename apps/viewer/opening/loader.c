@@ -24,7 +24,6 @@ struct loader {
     bool stopped; /* a load, because it was cancelled; the thread's own */
     atomic_bool cancelled;
     pthread_mutex_t lock; /* guards what follows */
-    bool done;
     struct loader_progress progress;
 };
 
@@ -154,7 +153,7 @@ static void *run(void *user)
         load(loader);
     }
     pthread_mutex_lock(&loader->lock);
-    loader->done = true;
+    loader->progress.done = true;
     pthread_mutex_unlock(&loader->lock);
     glfwPostEmptyEvent();
     return NULL;
@@ -192,14 +191,6 @@ void loader_ask(struct loader *loader, struct loader_progress *out)
 void loader_cancel(struct loader *loader)
 {
     atomic_store(&loader->cancelled, true);
-}
-
-bool loader_done(struct loader *loader)
-{
-    pthread_mutex_lock(&loader->lock);
-    bool done = loader->done;
-    pthread_mutex_unlock(&loader->lock);
-    return done;
 }
 
 bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_WHY])

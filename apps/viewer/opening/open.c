@@ -442,14 +442,6 @@ static void say_added(struct window *window, const struct resume *resume, char *
     }
 }
 
-/* Notes the entries of missing files, and the session that has more of them, for its file to keep them. */
-static void keep_lost(struct window *window, const struct resume *resume)
-{
-    bool any = json_array_size(resume->lost) > 0;
-    json_decref(window->files.lost);
-    window->files.lost = any ? json_pack("{s: O, s: O}", "session", resume->file.root, "entries", resume->lost) : NULL;
-}
-
 /* Finds the atlas of a session and how it was opened, on another thread: it reads the files beside the session. */
 static void prepare_session(void *user)
 {
@@ -519,8 +511,11 @@ static bool open_session(struct window *window, const char *session, const char 
     if (fine && !was_open) {
         say_added(window, &resume, why);
     }
-    if (fine) {
-        keep_lost(window, &resume);
+    if (fine) { /* its file keeps the entries of missing files, and the session has more of them */
+        const bool any = json_array_size(resume.lost) > 0;
+        json_decref(window->files.lost);
+        window->files.lost =
+            any ? json_pack("{s: O, s: O}", "session", resume.file.root, "entries", resume.lost) : NULL;
     }
     if (fine && window->files.remembers) {
         recent_add(session);

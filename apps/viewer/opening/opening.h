@@ -74,12 +74,12 @@ struct loading {
 struct loader_progress {
     char file[96]; /**< That is read now; "" before the first.      */
     double part;   /**< The part of the files that is read, 0 to 1; 0 while there is one. */
+    bool done;
 };
 
 /** False without memory or threads. Strings of @p request must outlive the loader. */
 bool loader_start(struct loader **out, const struct loading *request);
 void loader_ask(struct loader *loader, struct loader_progress *out);
-bool loader_done(struct loader *loader);
 const char *loader_path(const struct loader *loader);
 /** Cancels the loader: it ends after the file that it is reading. */
 void loader_cancel(struct loader *loader);

@@ -5,6 +5,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "options/messages.h"
+#include "viewer/model/additions.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -154,9 +155,7 @@ static bool is_given(const struct arguments *arguments, const char *word)
 {
     for (size_t i = 0; arguments && i < arguments->use_count; i++) {
         const char *name = arguments->uses[i].option->name;
-        size_t length = strlen(name);
-        if (strncmp(word, "--", 2) == 0 && strncmp(word + 2, name, length) == 0 &&
-            (word[2 + length] == '=' || !word[2 + length])) {
+        if (word_value(word, name) || (strncmp(word, "--", 2) == 0 && strcmp(word + 2, name) == 0)) {
             return true;
         }
     }

@@ -16,12 +16,11 @@ static const double patience_s = 0.2, first_patience_s = 0.05;
 
 /* Shows the name of the file that is read, and a bar of the files that were; in the rest of it a piece goes to and fro,
  * for one file may take a minute. */
-static void draw_page(struct window *window, struct loader *loader, double seconds)
+static void draw_page(struct window *window, const struct loader *loader, const struct loader_progress *progress,
+                      double seconds)
 {
-    struct loader_progress progress;
     char text[160];
     char shown[sizeof text + 4]; /* an ellipsis has three bytes */
-    loader_ask(loader, &progress);
     window_lay_out(window);
     window_clear(window);
     ui_begin(glfwGetTime());
@@ -32,11 +31,11 @@ static void draw_page(struct window *window, struct loader *loader, double secon
                              wide, 4 * line},
              UI_PLAIN);
     snprintf(text, sizeof text, "reading %s   %.1f s",
-             progress.file[0] ? progress.file : path_name(loader_path(loader)), seconds);
+             progress->file[0] ? progress->file : path_name(loader_path(loader)), seconds);
     ui_shorten_name(shown, sizeof shown, text, wide);
     ui_text("%s", shown);
     const struct ui_box bar = ui_area("bar", 0.4F * line);
-    float read = (float)progress.part * bar.width;
+    float read = (float)progress->part * bar.width;
     float piece = (bar.width - read) / 4;
     float at = fabsf(fmodf((float)seconds, 2) - 1); /* from 1 to 0 and back */
     ui_draw_box(bar, theme_marks[THEME_LINE], 0);
@@ -63,13 +62,14 @@ static void wait_for(struct loader *loader, struct window *window)
 {
     double begun = glfwGetTime();
     double patience = window->viewer ? patience_s : first_patience_s;
-    while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
+    struct loader_progress progress;
+    while (loader_ask(loader, &progress), !progress.done && !glfwWindowShouldClose(window->handle)) {
         double seconds = glfwGetTime() - begun;
         if (window_has_request(window) || window->files.stops) {
             loader_cancel(loader);
         }
         if (seconds >= patience) {
-            draw_page(window, loader, seconds);
+            draw_page(window, loader, &progress, seconds);
         }
         glfwWaitEventsTimeout(seconds < patience ? fmin(patience - seconds, progress_s) : progress_s);
         for (size_t left = window->events.count; left && events_take(window); left--) { /* there are no widgets here */

@@ -373,14 +373,14 @@ static void draw_measured(struct window *window)
 static void draw_waiting(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    char error[256];
+    char error[PAINTER_TEXT];
     static const char drawing[] = "drawing\u2026";
     const float at[2] = {box->x + 20, box->y + box->height / 2};
     const float middle[2] = {box->x + (box->width - ui_text_width(drawing)) / 2,
                              window->pictures.painted.name ? box->y + 4 * ui_line() : at[1]};
     if (!window->viewer->painter) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], "not enough memory to draw");
-    } else if (painter_error(window->viewer->painter, error, sizeof error)) {
+    } else if (painter_text(error, window->viewer->painter, PAINTER_ERROR)) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], error);
     } else if (!window->pictures.painted.name || window->pictures.says_late) {
         ui_draw_text(middle, light, drawing);

@@ -244,8 +244,13 @@ bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer
         }
     }
     size_t warnings_said = 0;
+    size_t notes_said = 0;
+    char drawn[PAINTER_TEXT];
     while (warning_line(warnings_said)) {
         warnings_said++;
+    }
+    while (note_line(notes_said)) {
+        notes_said++;
     }
     for (size_t i;
          (i = *index - of_atlases, line = i < warnings_said ? warning_line(i) : note_line(i - warnings_said));) {
@@ -256,7 +261,14 @@ bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer
             return true;
         }
     }
-    return false;
+    bool is_last = *index == of_atlases + warnings_said + notes_said && viewer->painter &&
+                   painter_text(drawn, viewer->painter, PAINTER_NOTE);
+    if (is_last) {
+        ++*index;
+        *out = (struct panel_warning){.colour = THEME_HINT};
+        snprintf(out->text, sizeof out->text, "Note of the 3-D picture: %s", drawn);
+    }
+    return is_last;
 }
 
 void panel_warnings(const struct viewer *viewer)
@@ -349,18 +361,10 @@ void panel_areas(struct window *window)
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(ui_room());
-    bool wants_first =
-        ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label",
-                "whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
-                "Enter chooses the first");
-    if (wants_first && viewer->drawn->shown.search[0]) {
-        uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
-        if (best) {
-            viewer_choose(viewer, best);
-        } else {
-            viewer_say(viewer, "nothing is called \"%s\"", viewer->drawn->shown.search);
-        }
-    }
+    panel_search(
+        viewer, "##search", "search name or label",
+        "whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
+        "Enter chooses the first");
     panel_key_button(window, "Show all", "v", "no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);

@@ -218,16 +218,10 @@ enum { FOUND_SHOWN = 5 };
 static void search_area(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    char *search = viewer->drawn->shown.search;
+    const char *search = viewer->drawn->shown.search;
     ui_take_keys(&window->frame.searches);
-    bool entered = ui_type("Search", search, sizeof viewer->drawn->shown.search, "area or label",
-                           "an area by its name, abbreviation or label; Enter chooses the first; / comes here");
-    uint32_t best = entered && search[0] ? search_best(viewer->drawn->atlas, search) : 0;
-    if (best) {
-        viewer_choose(viewer, best);
-    } else if (entered && search[0]) {
-        viewer_say(viewer, "nothing is called \"%s\"", search);
-    }
+    panel_search(viewer, "Search", "area or label",
+                 "an area by its name, abbreviation or label; Enter chooses the first; / comes here");
     size_t count = 0;
     uint32_t *found = search[0] && window->screen.folded[0] ? search_all(&count, viewer->drawn->atlas, search) : NULL;
     for (size_t i = 0; i < count && i < FOUND_SHOWN; i++) {
@@ -290,13 +284,12 @@ static void choose_details(struct window *window)
 static void show_times(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    char device[160] = "";
-    char text[320];
-    if (viewer->painter) {
-        painter_device(viewer->painter, device, sizeof device);
-    }
+    char device[PAINTER_TEXT];
+    char text[PAINTER_TEXT + 128];
+    const bool has_device = viewer->painter && painter_text(device, viewer->painter, PAINTER_DEVICE);
     snprintf(text, sizeof text, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
-             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
+             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, has_device ? ", " : "",
+             has_device ? device : "");
     ui_text_wrapped(THEME_HINT, text);
 }
 

@@ -70,6 +70,18 @@ void panel_hide(struct viewer *viewer, uint32_t object, bool small)
     }
 }
 
+void panel_search(struct viewer *viewer, const char *label, const char *hint, const char *tip)
+{
+    char *search = viewer->drawn->shown.search;
+    bool entered = ui_type(label, search, sizeof viewer->drawn->shown.search, hint, tip) && search[0];
+    uint32_t best = entered ? search_best(viewer->drawn->atlas, search) : 0;
+    if (best) {
+        viewer_choose(viewer, best);
+    } else if (entered) {
+        viewer_say(viewer, "nothing is called \"%s\"", search);
+    }
+}
+
 ui_colour panel_colour(const struct viewer *viewer, uint32_t object)
 {
     uint8_t rgb[3];

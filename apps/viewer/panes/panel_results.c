@@ -176,7 +176,7 @@ static void draw_sureness(struct window *window)
 {
     struct notice notice;
     inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
-    panel_study_kind(window->viewer);
+    panel_property(window, PROPERTY_STUDY);
     panel_study(window, notice.is_old);
 }
 

@@ -11,20 +11,6 @@
 
 enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
 
-void panel_study_kind(struct viewer *viewer)
-{
-    static const char *const kinds[STUDY_COUNT] = {"none", "sweep of the angle", "jitter of the pose"};
-    struct study_settings study = viewer->study.settings;
-    size_t kind = study.kind;
-    if (ui_choose(
-            "Study", &kind, kinds, STUDY_COUNT,
-            "sweep: the shares of the cone at several angles; jitter: how probable each area is to be the one hit\n"
-            "where the pose is not exactly known; the numbers of conus sweep, of the cone as it is now. J: the next")) {
-        study.kind = (enum study_kind)kind;
-        studies_use(viewer, &study);
-    }
-}
-
 static void choose_errors(struct viewer *viewer)
 {
     static const char *const samples[SAMPLE_CHOICES] = {

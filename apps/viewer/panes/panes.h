@@ -112,8 +112,7 @@ void panel_look(struct window *window);     /**< How the atlas is drawn. */
 void panel_views(struct window *window);    /**< Buttons over the 3-D pane. */
 /** Their width and height, pixels, from the pane's upper left corner. */
 void panel_views_size(float out[2], const struct window *window);
-void panel_card(struct window *window);       /**< Facts about the chosen area, and actions on it. */
-void panel_study_kind(struct viewer *viewer); /**< The choice of a study. */
+void panel_card(struct window *window); /**< Facts about the chosen area, and actions on it. */
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
 static inline enum theme_text panel_verdict_colour(const struct plan_verdict *verdict) /**< The words say it, too. */
@@ -141,6 +140,8 @@ void panel_property(struct window *window, enum property_id id);
 void panel_key_button(struct window *window, const char *label, const char *key, const char *tip);
 /** Hides an object or shows it, and hides all others, by small buttons in this line or large ones. */
 void panel_hide(struct viewer *viewer, uint32_t object, bool small);
+/** A line to search an area: Enter chooses what fits best. */
+void panel_search(struct viewer *viewer, const char *label, const char *hint, const char *tip);
 /** The colour of an object of the drawn atlas; grey of none. */
 ui_colour panel_colour(const struct viewer *viewer, uint32_t object);
 enum { PANEL_NAME = 118 /**< Pixels at scale 1: most names of human atlases. */ };

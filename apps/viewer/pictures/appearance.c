@@ -134,14 +134,14 @@ size_t appearance_pathways(conus_pathway_transfer *out, const struct appearance 
 
 static const char *const fixed[TRACT_BY_NUMBER] = {"bundle", "direction"};
 
-static bool is_among(const char *const *names, size_t count, const char *name)
+/* The place of a name among others; @p count = it is not there. */
+static size_t find(const char *const *names, size_t count, const char *name)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (strcmp(names[i], name) == 0) {
-            return true;
-        }
+    size_t at = 0;
+    while (at < count && strcmp(names[at], name) != 0) {
+        at++;
     }
-    return false;
+    return at;
 }
 
 /* Lists the names of all colourings, up to the limit. */
@@ -155,7 +155,7 @@ static size_t list(const char *names[TRACT_COLOUR_LIMIT], const conus_atlas *atl
     }
     for (size_t i = 0; i < conus_atlas_tractogram_count(atlas); i++) {
         for (size_t s = 0; count < TRACT_COLOUR_LIMIT && !conus_atlas_tractogram_scalar(&scalar, atlas, i, s); s++) {
-            if (scalar.components == 1 && !is_among(names, count, scalar.name)) {
+            if (scalar.components == 1 && find(names, count, scalar.name) == count) {
                 names[count++] = scalar.name;
             }
         }
@@ -173,10 +173,7 @@ size_t tract_colour_find(const conus_atlas *atlas, const char *name)
 {
     const char *names[TRACT_COLOUR_LIMIT];
     size_t count = list(names, atlas);
-    size_t colour = 0;
-    while (colour < count && strcmp(names[colour], name) != 0) {
-        colour++;
-    }
+    size_t colour = find(names, count, name);
     return colour < count ? colour : TRACT_COLOUR_LIMIT;
 }
 

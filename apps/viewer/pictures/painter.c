@@ -18,7 +18,7 @@ static const double quick_ms = 60;
 static const double software_ms_per_pixel = 0.0015;
 /* Pictures shall not hold up the window, where both share processors: above 0, "nicer" than it. */
 static const int niceness = 2;
-enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
+enum { COARSEST = 5, LEVELS = 4096, TRANSFER_POINTS = 64 };
 
 /* How fine pictures of one painting become, one after the other. */
 enum stage { STAGE_NONE = 0, STAGE_COARSE, STAGE_FULL, STAGE_SMOOTH };
@@ -43,8 +43,7 @@ struct painter {
     struct scene_update update;
     pthread_cond_t rest; /* is_busy ended */
     struct painted done;
-    char error[MESSAGE_SIZE];
-    char device[160];
+    char texts[PAINTER_TEXTS][PAINTER_TEXT];
     bool has_update;
     bool is_covered;                            /* the context, by areas that are shown */
     conus_transfer_point used[TRANSFER_POINTS]; /* the transfer function in use */
@@ -82,11 +81,24 @@ static void wake_window(struct painter *painter)
     }
 }
 
-static void note_error(struct painter *painter)
+static void put_text(struct painter *painter, enum painter_text which, const char *text)
 {
     pthread_mutex_lock(&painter->lock);
-    snprintf(painter->error, sizeof painter->error, "%s", conus_message());
+    snprintf(painter->texts[which], PAINTER_TEXT, "%s", text);
     wake_window(painter);
+}
+
+static void note_error(struct painter *painter)
+{
+    put_text(painter, PAINTER_ERROR, conus_message());
+}
+
+/* Keeps the newest note for the window. */
+static void keep_note(void *user, const conus_note *note)
+{
+    struct painter *painter = user;
+    put_text(painter, PAINTER_NOTE, note->line);
+    painter->log(NULL, note);
 }
 
 uint8_t *painted_bytes(const conus_image *image)
@@ -314,7 +326,8 @@ static void *run(void *user)
     struct painter *painter = user;
     conus_renderer *renderer = NULL;
     const conus_renderer_options options = {.transfer = painter->transfer,
-                                            .log = painter->log,
+                                            .log = painter->log ? keep_note : NULL,
+                                            .log_user = painter,
                                             .pathways = painter->pathways,
                                             .pathway_count = painter->pathway_count,
                                             .streamline_colour = painter->streamline_colour};
@@ -329,7 +342,7 @@ static void *run(void *user)
     const char *device = conus_renderer_device(renderer);
     bool is_software = strstr(device, "llvmpipe") || strstr(device, "softpipe");
     pthread_mutex_lock(&painter->lock);
-    snprintf(painter->device, sizeof painter->device, "%s", device);
+    snprintf(painter->texts[PAINTER_DEVICE], PAINTER_TEXT, "%s", device);
     pthread_mutex_unlock(&painter->lock);
     painter->ms_per_pixel = is_software ? software_ms_per_pixel : 0;
     note_transfer(painter, renderer);
@@ -491,13 +504,6 @@ size_t painter_transfer(struct painter *painter, conus_transfer_point *points, s
     return count;
 }
 
-static void copy_text(struct painter *painter, const char *text, char *out, size_t size)
-{
-    pthread_mutex_lock(&painter->lock);
-    snprintf(out, size, "%s", text);
-    pthread_mutex_unlock(&painter->lock);
-}
-
 bool painter_finds_cover(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
@@ -506,13 +512,10 @@ bool painter_finds_cover(struct painter *painter)
     return is_covered;
 }
 
-bool painter_error(struct painter *painter, char *out, size_t size)
+bool painter_text(char out[PAINTER_TEXT], struct painter *painter, enum painter_text which)
 {
-    copy_text(painter, painter->error, out, size);
+    pthread_mutex_lock(&painter->lock);
+    memcpy(out, painter->texts[which], PAINTER_TEXT);
+    pthread_mutex_unlock(&painter->lock);
     return out[0];
-}
-
-void painter_device(struct painter *painter, char *out, size_t size)
-{
-    copy_text(painter, painter->device, out, size);
 }

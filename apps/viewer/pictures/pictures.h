@@ -214,7 +214,7 @@ uint8_t *painted_bytes(const conus_image *image);
 
 /** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options, opacities and haze
  * as @p appearance says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture,
- * an error, the device's name. False without memory or threads. */
+ * or a text. False without memory or threads. */
 bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer,
                     const struct appearance *appearance, conus_log log, void (*wake)(void));
 void painter_destroy(struct painter *painter);
@@ -240,10 +240,11 @@ size_t painter_transfer(struct painter *painter, conus_transfer_point *points, s
 /** Whether areas that were shown in the newest picture cover the context, conus_context_is_covered(). */
 bool painter_finds_cover(struct painter *painter);
 
-/** Why nothing is drawn, in one line; false while all is well. */
-bool painter_error(struct painter *painter, char *out, size_t size);
-/** The device that draws; "" before it is known. */
-void painter_device(struct painter *painter, char *out, size_t size);
+/** Why nothing is drawn, in one line; what was logged last; the device that draws. */
+enum painter_text { PAINTER_ERROR = 0, PAINTER_NOTE, PAINTER_DEVICE, PAINTER_TEXTS };
+enum { PAINTER_TEXT = 256 };
+/** False, and "", where there is none so far. */
+bool painter_text(char out[PAINTER_TEXT], struct painter *painter, enum painter_text which);
 
 /* The shape of some objects, as cells at its surface, and its shadow in a picture. World RAS+, mm. */
 

@@ -40,6 +40,7 @@ static const char *const followed[] = {"nothing", "the cone's tip", "the best co
 static const char *const bare_says[] = {"panels and cuts are back", "the brain alone; F brings all back"};
 static const char *const measure_says[] = {"clicks set the crosshair again",
                                            "click two places: their distance is shown"};
+static const char *const studies[] = {"none", "sweep of the angle", "jitter of the pose"};
 static const char *const study_says[] = {"no study", "sweep: the shares over the angle",
                                          "jitter: the chances under errors of the pose"};
 
@@ -164,7 +165,10 @@ const struct property properties[PROPERTY_COUNT] = {
                          .tip = "how many slices the picture has (--slices); 0 = 1.41 times the longest edge of the "
                                 "volume, in voxels"},
     [PROPERTY_STUDY] = {NULL, "study", "the study of the cone", OF_VIEWER(study.settings.kind), ENUM(study_names),
-                        .presence = PROPERTY_KEPT, .says = study_says},
+                        .presence = PROPERTY_KEPT, .says = study_says, .label = "Study", .choices = studies,
+                        .tip = "sweep: the shares of the cone at several angles; jitter: how probable each area is to\n"
+                               "be the one hit where the pose is not exactly known; the numbers of conus sweep, of\n"
+                               "the cone as it is now"},
     [PROPERTY_SWEEP] = {NULL, "sweep_deg", "its angles: from, to, by, degrees", OF_VIEWER(study.settings.angles),
                         REALS(3, 0, 180), .presence = PROPERTY_KEPT},
     [PROPERTY_JITTER] = {NULL, "jitter",

@@ -36,21 +36,16 @@ static void make_name(char name[NAME_SIZE], const char *ending)
     }
 }
 
-static bool write_study(struct viewer *viewer, const char *path)
-{
-    const char *text = studies_text(viewer);
-    return text && !conus_write_file(path, text, strlen(text));
-}
-
 void save_file_as(struct window *window)
 {
     char why[PROPERTY_REASON] = "";
     enum saved_file what = window->files.saves;
     char *path = window->files.saves_as;
+    const char *study = what == SAVE_STUDY ? studies_text(window->viewer) : NULL;
     window->files.saves_as = NULL;
     bool fine = what == SAVE_PICTURE   ? !window_write(window, path)
                 : what == SAVE_RESULTS ? export_results(window->viewer, path, why)
-                : what == SAVE_STUDY   ? write_study(window->viewer, path)
+                : what == SAVE_STUDY   ? study && !conus_write_file(path, study, strlen(study))
                                        : session_save(window, path, why);
     const char *said = fine ? path : why[0] ? why : conus_message();
     if (!fine && what != SAVE_SAME_SESSION) { /* the page where it was typed */

@@ -230,13 +230,6 @@ static bool read_opacities(struct appearance *out, const json_t *list, char why[
                                   out->object_count);
 }
 
-static bool read_rest(struct appearance *out, const json_t *value, char why[PROPERTY_REASON])
-{
-    out->opacity[0] = value ? json_number_value(value) : 1;
-    return (out->opacity[0] > 0 && out->opacity[0] <= 1) ||
-           session_refuse(why, "opacity_of_the_rest: a number above 0 and up to 1 is needed");
-}
-
 static bool read_haze(struct appearance *out, const struct view_atlas *view, const json_t *list,
                       char why[PROPERTY_REASON])
 {
@@ -276,13 +269,16 @@ static bool read_look(struct appearance *out, const struct view_atlas *view, con
     if (!appearance_init(&appearance, view->object_count)) {
         return session_refuse(why, "not enough memory");
     }
+    const json_t *rest = json_object_get(entry, "opacity_of_the_rest");
     bool fine = (json_is_object(entry) || session_refuse(why, "look: an object is needed")) &&
                 read_grey(&appearance, json_object_get(entry, "grey"), why) &&
                 read_opacities(&appearance, json_object_get(entry, "opacities"), why) &&
-                read_rest(&appearance, json_object_get(entry, "opacity_of_the_rest"), why) &&
+                ((!rest || (json_number_value(rest) > 0 && json_number_value(rest) <= 1)) ||
+                 session_refuse(why, "opacity_of_the_rest: a number above 0 and up to 1 is needed")) &&
                 read_haze(&appearance, view, json_object_get(entry, "pathways"), why) &&
                 read_streamlines(&appearance, view, json_object_get(entry, "streamline_colour"), why);
     if (fine) {
+        appearance.opacity[0] = rest ? json_number_value(rest) : 1;
         *out = appearance;
     } else {
         appearance_finish(&appearance);

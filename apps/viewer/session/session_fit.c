@@ -156,17 +156,24 @@ static void fit_pins(json_t *list, const struct numbers *numbers)
     }
 }
 
+/* The last threshold of a list that is of the same pathway; NULL = none is. */
+static json_t *find_threshold(const json_t *list, const json_t *entry)
+{
+    json_t *found = NULL;
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        json_t *one = json_array_get(list, i);
+        found = json_equal(json_object_get(one, "pathway"), json_object_get(entry, "pathway")) ? one : found;
+    }
+    return found;
+}
+
 /* The thresholds of the pathways now, with the session's value where it has one by that name. */
 static json_t *fit_thresholds(const json_t *then, const struct view_atlas *view)
 {
     json_t *now = session_thresholds(view);
     for (size_t i = 0; i < json_array_size(now); i++) {
-        for (size_t k = 0; k < json_array_size(then); k++) {
-            json_t *entry = json_array_get(then, k);
-            if (json_equal(json_object_get(entry, "pathway"), json_object_get(json_array_get(now, i), "pathway"))) {
-                json_array_set(now, i, entry);
-            }
-        }
+        json_t *entry = find_threshold(then, json_array_get(now, i));
+        (void)(entry && json_array_set(now, i, entry));
     }
     return now;
 }
@@ -234,12 +241,11 @@ static bool has_other_context(const json_t *then, const json_t *now)
 /* Behind --labels= among the options; "" = there is none. */
 static const char *labels_of(const json_t *opened)
 {
-    static const char option[] = "--labels=";
     const json_t *options = json_object_get(opened, "options");
     const char *found = "";
     for (size_t i = 0; i < json_array_size(options); i++) {
-        const char *word = json_string_value(json_array_get(options, i));
-        found = word && strncmp(word, option, sizeof option - 1) == 0 ? word + sizeof option - 1 : found;
+        const char *value = word_value(json_string_value(json_array_get(options, i)), "labels");
+        found = value ? value : found;
     }
     return found;
 }
@@ -321,16 +327,12 @@ static void keep_list(json_t *list, const json_t *then, bool has_pairs, const st
 /* Appends thresholds of pathways that are not there, which are found again by name. */
 static void keep_thresholds(json_t *list, const json_t *then)
 {
-    size_t count = json_array_size(list);
+    json_t *there = json_copy(list);
     for (size_t i = 0; i < json_array_size(then); i++) {
         json_t *entry = json_array_get(then, i);
-        bool is_there = false;
-        for (size_t k = 0; k < count; k++) {
-            is_there = is_there || json_equal(json_object_get(entry, "pathway"),
-                                              json_object_get(json_array_get(list, k), "pathway"));
-        }
-        (void)(is_there || json_array_append(list, entry));
+        (void)(find_threshold(there, entry) || json_array_append(list, entry));
     }
+    json_decref(there);
 }
 
 /* Whether a file of the session is still to be found: it was not opened since, nor another context in its place. */

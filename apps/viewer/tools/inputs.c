@@ -74,12 +74,8 @@ static bool is_at(const struct tool *tool, const conus_pose *pose)
 {
     static const conus_frame world = {.space = CONUS_SPACE_RAS};
     conus_pose turned = *pose;
-    bool is = tool->has_pose;
     conus_frame_turn_pose(&turned, &world, true); /* as tool_aim() keeps it */
-    for (size_t i = 0; i < 16; i++) {
-        is = is && turned.world_from_device[i] == tool->pose.world_from_device[i];
-    }
-    return is;
+    return tool->has_pose && pose_is_same(&turned, &tool->pose);
 }
 
 /* Applies what a source says to its tool. Returns whether there was another pose, or a move. */
@@ -388,6 +384,20 @@ void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
     }
 }
 
+/* Gives the tool the depths of a row, as conus query does, in a list whose rows have some: a needle of it ends. */
+static void use_depths(struct viewer *viewer, const conus_pose_row *row)
+{
+    double *range = viewer->cone.options.range;
+    bool has_depths = false;
+    for (size_t i = 0; i < conus_pose_list_count(viewer->points.poses) && !has_depths; i++) {
+        has_depths = isfinite(conus_pose_list_row(viewer->points.poses, i)->range[1]);
+    }
+    if (has_depths && viewer->cone.options.sampling == CONUS_SAMPLING_EXACT) {
+        range[0] = row && isfinite(row->range[0]) ? row->range[0] : 0;
+        range[1] = row && isfinite(row->range[1]) ? row->range[1] : viewer->plan.depth;
+    }
+}
+
 void points_choose(struct viewer *viewer, uint32_t row)
 {
     const conus_pose_row *of = row ? conus_pose_list_row(viewer->points.poses, row - 1) : NULL;
@@ -397,6 +407,7 @@ void points_choose(struct viewer *viewer, uint32_t row)
     }
     tool_choose(viewer, FIRST_TOOL, of ? POINT_BY_REPLAY : POINT_BY_MOUSE);
     viewer->chosen_point = of ? row : 0;
+    use_depths(viewer, of);
     if (!of) {
         tool_clear(viewer);
         return;

@@ -229,8 +229,8 @@ static void take_picture(struct start *start, bool keeps)
 {
     struct painted picture;
     struct known_atlas *known = &start->known[start->paints];
-    char why[START_WHY];
-    bool ends = painter_error(start->painted->painter, why, sizeof why);
+    char why[PAINTER_TEXT];
+    bool ends = painter_text(why, start->painted->painter, PAINTER_ERROR);
     if (painter_take(start->painted->painter, &picture)) {
         known->areas = (uint32_t)start->painted->drawn->object_count;
         texture_set(&known->picture, picture.rgba, picture.width, picture.height, true);

@@ -260,16 +260,13 @@ static void find_scale(struct window *window, const struct window_options *optio
 
 void window_place(const struct window *window, struct place *out)
 {
-    if (window->screen.alone) {
-        *out = window->screen.before;
-        out->zoom = window->screen.zoom;
-        out->layout = window->screen.layout;
-        return;
+    *out = window->screen.alone ? window->screen.before : (struct place){.known = true};
+    if (!window->screen.alone) {
+        glfwGetWindowSize(window->handle, &out->width, &out->height);
+        glfwGetWindowPos(window->handle, &out->x, &out->y);
     }
-    *out = (struct place){.known = true, .layout = window->screen.layout};
-    glfwGetWindowSize(window->handle, &out->width, &out->height);
-    glfwGetWindowPos(window->handle, &out->x, &out->y);
     out->zoom = window->screen.zoom;
+    out->layout = window->screen.layout;
 }
 
 /* GLFW and Xlib wait without an end for answers of a display: a user shall not wait for a window that never comes. */

@@ -682,6 +682,50 @@ static void points_alone_are_those_over_a_drawing(void **state)
     assert_null(none);
 }
 
+/* The most that is drawn in a column of the image, in its rows from `from` on. */
+static double most_in_column(const conus_image *image, size_t column, size_t from, size_t rows)
+{
+    const float *alpha = conus_image_floats(image, "A");
+    double most = 0;
+    for (size_t row = from; row < from + rows; row++) {
+        most = fmax(most, (double)alpha[row * conus_image_width(image) + column]);
+    }
+    return most;
+}
+
+/* The cut at x = 0 has 5 pixels for a mm; y = 0 is in the middle, and less of it to the right. The first needle is 2 mm
+ * from it, and so firm, for y from -1 to 1, and 25 mm for y from -12.5 to 12.5: its ball at y = -15 is not drawn. The
+ * second lies in the cut, and the third begins 5 mm before it and leads away. */
+static void a_needle_is_firm_where_it_is_in_a_cut(void **state)
+{
+    struct scene scene = need_scene(state);
+    static const conus_drawn_point points[] = {{.at = {-30, -15, -10}, .end = {30, 15, -10}, .radius = 1},
+                                               {.at = {1, -8, 0}, .end = {1, 8, 0}, .radius = 1},
+                                               {.at = {5, -10, 10}, .end = {20, 10, 10}, .radius = 1}};
+    const conus_cut_view cut = {.mm_per_pixel = 0.2, .right = {0, -1, 0}, .up = {0, 0, 1}};
+    const conus_view view = {.width = 200, .height = 200, .no_legend = true, .points = points, .point_count = 3};
+    conus_image *image = NULL;
+    assert_ok(conus_points_image(&image, scene.atlas, &view, &cut, SIZE_MAX));
+    const bool is_up = most_in_column(image, 100, 40, 20) > 0; /* the order of rows: z = -10 is 50 rows from z = 0 */
+    const size_t first = is_up ? 40 : 140;
+    const size_t third = is_up ? 140 : 40;
+    for (size_t column = 0; column < 200; column++) {
+        const double y = (100 - (double)column - 0.5) * 0.2;
+        const double through = most_in_column(image, column, first, 20);
+        const double within = most_in_column(image, column, 90, 20);
+        if (fabs(y) < 1) {
+            assert_true(through > 0.99);
+        } else if (fabs(y) > 2 && fabs(y) < 12) { /* with round ends */
+            assert_true(through > 0.05 && through < 0.5);
+        } else if (fabs(y) > 13.5) {
+            assert_true(through == 0);
+        }
+        assert_true(fabs(y) < 7.5 ? within > 0.99 : fabs(y) < 9.8 || within == 0);
+        assert_true(most_in_column(image, column, third, 20) == 0);
+    }
+    conus_image_destroy(image);
+}
+
 /* Two names at one place, in a picture with room for one: it is that of the end of the list, as if the other one had no
  * name, but that of the chosen one where one is chosen. */
 static void a_chosen_point_has_its_name_first(void **state)
@@ -1196,6 +1240,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(points_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(points_alone_are_those_over_a_drawing),
         cmocka_unit_test(a_chosen_point_has_its_name_first),
+        cmocka_unit_test(a_needle_is_firm_where_it_is_in_a_cut),
         cmocka_unit_test(colours_are_weighted_by_share),
         cmocka_unit_test(a_ball_colours_what_is_in_it),
         cmocka_unit_test(groups_of_points_have_colours_and_rows),
