@@ -217,14 +217,14 @@ static void write_identity(FILE *out)
     }
 }
 
-/* Whether an area has voxels of labels, or a surface. */
+/* Whether an area has voxels of labels or a surface, or there is a bundle. */
 static bool is_solid(void)
 {
     const size_t count = conus_atlas_object_count(page.atlas);
     bool is = false;
     for (size_t i = 1; i <= count && !is; i++) {
         const conus_object *object = conus_atlas_object(page.atlas, i);
-        is = object->triangles > 0 ||
+        is = object->triangles > 0 || object->kind == CONUS_KIND_BUNDLE ||
              (object->voxels > 0 && conus_atlas_volume(page.atlas, object->volume)->role == CONUS_ROLE_PARCELLATION);
     }
     return is;
