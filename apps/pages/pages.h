@@ -34,9 +34,10 @@ struct page_question {
     double angle;  /**< Full opening angle, degrees. */
     size_t layers; /**< conus_layers */
     uint32_t resolution;
+    double range[2]; /**< Nearest and farthest depth, mm; both 0 = all depths. */
 };
 
-/** page_question: numbers, counts, choices and flags; a choice's default is its first. */
+/** page_question: numbers, counts, ranges, choices and flags; a choice's default is its first. */
 extern const struct option page_question_options[];
 
 /** What the selector is told of it, and the angle. */

@@ -20,6 +20,9 @@ const struct option page_question_options[] = {
     {OPTION_VALUED("resolution", struct page_question, resolution, "N"),
      .help = "rays along a side of the buffer, 1 to 256", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
      OPTION_FROM_TO(1, 256), .needs = "origin"},
+    {OPTION_VALUED("range", struct page_question, range, "NEAR,FAR"),
+     .help = "count only between these two depths along the axis, mm from the apex", OPTION_FROM_TO(0, 1e9),
+     .needs = "origin", .unit = "mm"},
     {0},
 };
 
@@ -28,6 +31,7 @@ conus_selector_options page_question_selector(const struct page_question *questi
     conus_selector_options options = CONUS_SELECTOR_OPTIONS_INIT;
     options.resolution = question->resolution ? question->resolution : CONUS_RESOLUTION_DEFAULT;
     options.layers = (conus_layers)question->layers;
+    memcpy(options.range, question->range, sizeof options.range);
     return options;
 }
 
@@ -40,6 +44,7 @@ void page_question_put(FILE *out, const struct page_question *question)
 {
     for (const struct option *option = page_question_options; option->name; option++) {
         const void *field = (const char *)question + option->offset;
+        const double *range = option->type == OPTION_RANGE ? field : (const double[2]){0};
         const double number = option->type == OPTION_NUMBER  ? *(const double *)field
                               : option->type == OPTION_COUNT ? *(const uint32_t *)field
                                                              : 0;
@@ -48,6 +53,8 @@ void page_question_put(FILE *out, const struct page_question *question)
                                                          : option_standard(option);
         if (number != 0) {
             fprintf(out, "&%s=%.17g", option->name, number);
+        } else if (range[1] > 0) {
+            fprintf(out, "&%s=%.17g,%.17g", option->name, range[0], range[1]);
         } else if (word) {
             fprintf(out, "&%s=%s", option->name, word);
         }

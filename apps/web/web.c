@@ -41,9 +41,16 @@ static struct {
     const conus_cutter *cut;    /* the last that drew */
     conus_selection *selection; /* the answer; NULL before the first */
     conus_selection *nothing;   /* in its place in cuts that have none: of a cone that hits nothing */
+    conus_selector *follower;   /* of steps of a track, and */
+    conus_tracker *tracker;     /* ranks with those before */
+    struct step {
+        bool is_next; /* what is asked next is one */
+        bool trigger;
+        double time_s;
+    } step;
     enum colours colours;
     conus_report *report;
-    struct page_question question; /* of which `selector` is, whatever the angle, */
+    struct page_question question; /* of which `selector` is, whatever angle and range, */
     char *rays;                    /* as a link has it */
     char *text;
     size_t text_size;
@@ -151,9 +158,21 @@ static void forget_question(void)
     page.selector = NULL;
 }
 
+static void forget_track(void)
+{
+    if (conus_selection_step(page.selection)) {
+        forget_question();
+    }
+    conus_tracker_destroy(page.tracker);
+    conus_selector_destroy(page.follower);
+    page.tracker = NULL;
+    page.follower = NULL;
+}
+
 /* And what else was made for the atlas as it was. */
 static void forget_answers(void)
 {
+    forget_track();
     forget_question();
     for (size_t i = 0; i < 2; i++) {
         conus_selector_destroy(page.viewers[i].selector);
@@ -198,14 +217,14 @@ static void write_identity(FILE *out)
     }
 }
 
-/* Whether an area has voxels of labels, or a surface. */
+/* Whether an area has voxels of labels or a surface, or there is a bundle. */
 static bool is_solid(void)
 {
     const size_t count = conus_atlas_object_count(page.atlas);
     bool is = false;
     for (size_t i = 1; i <= count && !is; i++) {
         const conus_object *object = conus_atlas_object(page.atlas, i);
-        is = object->triangles > 0 ||
+        is = object->triangles > 0 || object->kind == CONUS_KIND_BUNDLE ||
              (object->voxels > 0 && conus_atlas_volume(page.atlas, object->volume)->role == CONUS_ROLE_PARCELLATION);
     }
     return is;
@@ -372,7 +391,7 @@ static void write_hits(FILE *out)
     fputs("]", out);
 }
 
-/* A selector is kept where only the angle is another one. */
+/* A selector is kept where only angle and range are others. */
 static void take_question(const struct page_question *question)
 {
     char *rays = NULL;
@@ -390,6 +409,28 @@ static void take_question(const struct page_question *question)
     page.question = *question;
 }
 
+/* What is asked next is a step of a track, the first one where it begins; its rows are those of conus track with
+ * --score intenselect_plus. A step with another one's settings is asked with those of the first. */
+EMSCRIPTEN_KEEPALIVE void web_step(double time_s, bool trigger, bool begins)
+{
+    if (begins) {
+        forget_track();
+    }
+    page.step = (struct step){.is_next = true, .trigger = trigger, .time_s = time_s};
+}
+
+static conus_status answer_step(const struct page_question *question, const conus_pose *pose, const double *range)
+{
+    conus_selector_options options = page_question_selector(question);
+    options.score = "intenselect_plus";
+    conus_status status = page.follower ? CONUS_OK : conus_selector_create(&page.follower, page.atlas, &options);
+    status = status || page.tracker ? status : conus_tracker_create(&page.tracker, page.follower, NULL);
+    status = status ? status : conus_selector_set_range(page.follower, range);
+    return status ? status
+                  : conus_tracker_step(&page.selection, page.tracker, page.step.time_s, pose,
+                                       page_question_angle(question), page.step.trigger);
+}
+
 /* Asks what is in a cone, as `settings` says: "angle=20&layers=all", of web_form(). {"depth": mm to the deepest hit, 0
  * where the cone has no end, "hits": numbers of the objects in the answer's order, "ranks": the place of each among the
  * colours, "colours": "#rrggbb" of each where colours are of the answer}, or {"error": ...}; web_rows() has the answer,
@@ -399,6 +440,8 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
 {
     conus_pose pose;
     struct page_question question = {0};
+    const bool is_step = page.step.is_next;
+    page.step.is_next = false;
     conus_selection_destroy(page.selection);
     page.selection = NULL;
     messages_hold(true);
@@ -408,13 +451,20 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
         return say_words(error_line());
     }
     const double angle = page_question_angle(&question);
-    question.angle = 0;
-    take_question(&question);
-    conus_status status = prepare_selector(&page.selector, &question);
-    status = status ? status
-                    : conus_pose_toward(&pose, (const double[]){x, y, z},
-                                        (const double[]){toward_x, toward_y, toward_z}, NULL);
-    status = status ? status : conus_select(&page.selection, page.selector, &pose, angle);
+    const double ends[2] = {question.range[0], question.range[1]};
+    const double *range = ends[1] > 0 ? ends : NULL;
+    question.range[0] = question.range[1] = 0;
+    conus_status status =
+        conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, NULL);
+    if (is_step) {
+        status = status ? status : answer_step(&question, &pose, range);
+    } else {
+        question.angle = 0;
+        take_question(&question);
+        status = status ? status : prepare_selector(&page.selector, &question);
+        status = status ? status : conus_selector_set_range(page.selector, range);
+        status = status ? status : conus_select(&page.selection, page.selector, &pose, angle);
+    }
     FILE *out = status ? NULL : begin_text();
     if (out) {
         fprintf(out, "{\"depth\": %.9g, ", question.layers ? 0 : find_depth(&pose));
@@ -426,10 +476,11 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
 
 static conus_status write_report(const char *format)
 {
-    const conus_report_options options = {.format = format};
+    const bool is_step = conus_selection_step(page.selection);
+    const conus_report_options options = {.format = format, .tracker = is_step ? page.tracker : NULL};
     conus_report_destroy(page.report);
     page.report = NULL;
-    conus_status status = conus_report_create(&page.report, page.selector, &options);
+    conus_status status = conus_report_create(&page.report, is_step ? page.follower : page.selector, &options);
     return status ? status : conus_report_add(page.report, "1", page.selection);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes the surfaces of all areas at once: of voxels by a net that neighbours share, of meshes as they are. */
+/* Makes the surfaces of all areas at once: of voxels by a net that neighbours share, of meshes as they are; bands of
+ * streamlines. */
 #include "atlas/nets/nets.h"
 
 #include "atlas/nets/parts.h"
@@ -7,7 +8,11 @@
 
 #include <math.h>
 
-enum { ROUNDS = 6 };
+enum {
+    ROUNDS = 6,
+    STREAMLINES = 2000, /* that are shown of all bundles together, but at least one of each */
+    POINTS = 40         /* of each, at most: so these are 156,000 triangles */
+};
 
 static const double STRIDE =
     0.6;                         /* the part of the way to the middle of its neighbours that a vertex goes in a round */
@@ -120,29 +125,20 @@ static conus_status smooth(struct net *net, double edge)
 }
 
 /* Numbers of net->squares, twice each plus the side, by the object on that side: first[k] to before first[k + 1] are of
- * object k. */
-static conus_status sort_squares(uint32_t **out, uint32_t *first, const struct net *net, size_t object_count)
+ * object k. NULL without memory. */
+static uint32_t *sort_squares(uint32_t *first, const struct net *net, size_t object_count)
 {
     uint32_t *sorted = memory_raw(2 * net->square_count, sizeof *sorted);
-    uint32_t *next = memory_zeroed(object_count + 2, sizeof *next);
-    if (!sorted || !next) {
-        memory_free(sorted);
-        memory_free(next);
-        return CONUS_ERROR_MEMORY;
-    }
     for (size_t i = 0; i < 2 * net->square_count; i++) {
-        first[net->squares[i / 2].objects[i % 2] + 1]++;
+        first[net->squares[i / 2].objects[i % 2]]++;
     }
     for (size_t object = 0; object <= object_count; object++) {
         first[object + 1] += first[object];
-        next[object + 1] = first[object + 1];
     }
-    for (size_t i = 0; i < 2 * net->square_count; i++) {
-        sorted[next[net->squares[i / 2].objects[i % 2]]++] = (uint32_t)i;
+    for (size_t i = 2 * net->square_count; sorted && i-- > 0;) { /* from the ends, which become the beginnings */
+        sorted[--first[net->squares[i / 2].objects[i % 2]]] = (uint32_t)i;
     }
-    memory_free(next);
-    *out = sorted;
-    return CONUS_OK;
+    return sorted;
 }
 
 static bool is_shorter(const float *vertices, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
@@ -212,6 +208,86 @@ static void add_mesh(struct nets *nets, const struct mesh *mesh, uint32_t object
     nets->is_closed = false;
 }
 
+/* How many streamlines of a bundle are shown, if these are every so many. */
+static size_t count_shown(const conus_atlas *atlas, uint32_t object, size_t every)
+{
+    const bool is_hidden = atlas->places[object - 1].is_hidden;
+    const struct tractogram *tractogram = is_hidden ? NULL : atlas_bundle_tractogram(atlas, object);
+    return tractogram ? (tract_group_count(atlas_bundle_group(atlas, object), tractogram) + every - 1) / every : 0;
+}
+
+/* Every how manyth streamline is shown. */
+static size_t find_every(const conus_atlas *atlas)
+{
+    size_t count = 0;
+    for (uint32_t object = 1; object <= atlas->object_count; object++) {
+        count += count_shown(atlas, object, 1);
+    }
+    return 1 + count / (STREAMLINES + 1);
+}
+
+/* The next two vertices of a band, on both sides of a point; `side`, a unit vector or 0, turns no more than the band
+ * must. */
+static void add_sides(struct nets *nets, double side[3], const double at[3], const double along[3], double radius,
+                      uint32_t object)
+{
+    vec3_add_scaled(side, side, -vec3_dot(side, along), along);
+    if (!vec3_normalise(side, side)) {
+        vec3_cross(side, along, fabs(along[2]) < 0.9 ? (const double[]){0, 0, 1} : (const double[]){0, 1, 0});
+        vec3_normalise(side, side);
+    }
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (size_t a = 0; a < 3; a++) {
+            nets->positions[3 * nets->vertex_count + a] = (float)(at[a] + sign * radius * side[a]);
+        }
+        nets->objects[nets->vertex_count++] = (uint16_t)object;
+    }
+}
+
+/* Adds a band along a streamline, as wide as its capsules, of points that are `apart` or more, and the last one. */
+static void add_band(struct nets *nets, const struct tractogram *tractogram, uint32_t streamline, uint32_t object)
+{
+    static const uint32_t corners[6] = {0, 1, 2, 1, 3, 2};
+    const uint64_t last = tractogram->first[streamline + 1] - 1;
+    const double apart = tractogram->tree.lengths[streamline] / (POINTS - 2);
+    double side[3] = {0};
+    double from[3];
+    bool begins = true;
+    tractogram_point(from, tractogram, tractogram->first[streamline]);
+    for (uint64_t point = tractogram->first[streamline] + 1; point <= last; point++) {
+        double at[3];
+        double along[3];
+        tractogram_point(at, tractogram, point);
+        vec3_sub(along, at, from);
+        if ((vec3_length(along) < apart && point < last) || !vec3_normalise(along, along)) {
+            continue;
+        }
+        if (begins) {
+            add_sides(nets, side, from, along, tractogram->radius, object);
+        }
+        add_sides(nets, side, at, along, tractogram->radius, object);
+        for (int i = 0; i < 6; i++) {
+            const uint32_t corner = (uint32_t)nets->vertex_count - 4 + corners[i];
+            nets->corners[nets->corner_count++] = nets->outer[nets->outer_count++] = corner;
+        }
+        begins = false;
+        memcpy(from, at, sizeof from);
+    }
+}
+
+static void add_bundle(struct nets *nets, const conus_atlas *atlas, uint32_t object, size_t every)
+{
+    const size_t count = count_shown(atlas, object, every);
+    for (size_t i = 0; i < count; i++) {
+        const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, object);
+        const uint32_t streamline = tract_group_member(atlas_bundle_group(atlas, object), i * every);
+        if (tractogram->first[streamline] < tractogram->first[streamline + 1]) {
+            add_band(nets, tractogram, streamline, object);
+        }
+        nets->is_closed = false;
+    }
+}
+
 /* From the triangles at each vertex, by their area. */
 static conus_status find_normals(struct nets *nets)
 {
@@ -242,18 +318,19 @@ static conus_status find_normals(struct nets *nets)
 }
 
 /* Arrays for all areas. Each vertex of a net is a corner of three squares of an area or more. */
-static conus_status reserve(struct nets *out, const uint32_t *first, const conus_atlas *atlas)
+static conus_status reserve(struct nets *out, const uint32_t *first, const conus_atlas *atlas, size_t every)
 {
     const size_t squares = first[atlas->object_count + 1] - first[1];
     size_t vertices = squares * 4 / 3;
     size_t corners = 6 * squares;
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
-        vertices += mesh ? mesh->vertex_count : 0;
-        corners += mesh ? 3 * mesh->triangle_count : 0;
+        const size_t bands = count_shown(atlas, object, every);
+        vertices += mesh ? mesh->vertex_count : 2 * POINTS * bands;
+        corners += mesh ? 3 * mesh->triangle_count : 6 * (POINTS - 1) * bands;
     }
     if (!corners) {
-        return fail(CONUS_ERROR_ARGUMENT, "no area of this atlas has voxels or a surface to show");
+        return fail(CONUS_ERROR_ARGUMENT, "no area of this atlas has voxels, a surface or streamlines to show");
     }
     *out = (struct nets){.positions = memory_raw(3 * vertices, sizeof *out->positions),
                          .normals = memory_zeroed(4 * vertices, sizeof *out->normals),
@@ -271,9 +348,10 @@ static conus_status fill(struct nets *out, const conus_atlas *atlas, const struc
 {
     uint32_t *first = memory_zeroed(atlas->object_count + 2, sizeof *first);
     uint32_t *own = memory_zeroed(net->vertex_count, sizeof *own);
-    uint32_t *sorted = NULL;
-    conus_status status = first && own ? sort_squares(&sorted, first, net, atlas->object_count) : CONUS_ERROR_MEMORY;
-    status = status ? status : reserve(out, first, atlas);
+    uint32_t *sorted = first ? sort_squares(first, net, atlas->object_count) : NULL;
+    conus_status status = own && sorted ? CONUS_OK : CONUS_ERROR_MEMORY;
+    const size_t every = find_every(atlas);
+    status = status ? status : reserve(out, first, atlas, every);
     for (uint32_t object = 1; !status && object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
         out->first[object] = (uint32_t)out->corner_count;
@@ -281,6 +359,7 @@ static conus_status fill(struct nets *out, const conus_atlas *atlas, const struc
         if (mesh) {
             add_mesh(out, mesh, object);
         }
+        add_bundle(out, atlas, object, every);
         out->first[object + 1] = (uint32_t)out->corner_count;
     }
     memory_free(first);

@@ -5,7 +5,7 @@
 
 #include "conus/atlas.h"
 
-/** Vertices of all areas, each of one area, and triangles as three of them, counter-clockwise from outside. */
+/** Vertices of all areas and bundles, each of one, and triangles as three of them, counter-clockwise from outside. */
 struct nets {
     size_t vertex_count;
     float *positions;  /**< [vertex_count][3] World mm. */
@@ -16,14 +16,15 @@ struct nets {
     uint32_t *first;   /**< [object_count + 2] corners[first[k]] to before corners[first[k + 1]] are of object k. */
     size_t outer_count;
     uint32_t *outer; /**< [outer_count] The same for the triangles that face no other area, of all areas. */
-    bool is_closed;  /**< Every surface is: none is an area's own mesh. */
+    bool is_closed;  /**< Every surface is: none is an area's own mesh or a bundle. */
 };
 
 /** Makes them. Areas of voxels: surface nets of a grid of cubes, of which at most @p cells lie along the atlas and none
  * is smaller than the smallest voxel; neighbours share their border. An area that no cube's middle hits gets the cubes
- * of its voxels, but for those that another such area has taken. Areas that are meshes: as they are. Areas of
- * probabilities, pathways and bundles have none. Hidden areas have none. CONUS_ERROR_UNSUPPORTED from 65,536 objects
- * on; CONUS_ERROR_ARGUMENT if no area has a surface; CONUS_ERROR_MEMORY. */
+ * of its voxels, but for those that another such area has taken. Areas that are meshes: as they are. Bundles: a band as
+ * wide as the ray's reach along each streamline; of more than 2,000 every second, third, ... one of each bundle, and of
+ * each at most 40 points, the ends among them. Areas of probabilities and pathways have none. Hidden objects have none.
+ * CONUS_ERROR_UNSUPPORTED from 65,536 objects on; CONUS_ERROR_ARGUMENT if nothing has a surface; CONUS_ERROR_MEMORY. */
 conus_status nets_make(struct nets *out, const conus_atlas *atlas, uint32_t cells);
 void nets_finish(struct nets *nets);
 

@@ -6,6 +6,7 @@
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "test.h"
+#include "tract_scene.h"
 
 /* A ball of 30 mm, whose left half is 1 and right half 2. */
 static double two_halves(const double world[3])
@@ -204,6 +205,71 @@ static void meshes_are_as_they_are(void **state)
     conus_atlas_destroy(atlas);
 }
 
+enum { LINES = 4500, RING = 2000 };
+
+/* Lines of 100 mm along x, 1 mm apart, and a circle of radius 50 mm with points each 0.16 mm: of 4501 streamlines every
+ * third is shown. A straight band is 2 radius wide, so that its triangles have 2 radius * 100 mm^2; the ring's points
+ * are 8 mm of way apart, where a chord is 0.18 mm from the circle. */
+static void streamlines_are_bands(void **state)
+{
+    (void)state;
+    const double radius = 0.25;
+    struct tract_builder builder;
+    tract_begin(&builder);
+    for (int line = 0; line < LINES; line++) {
+        for (int i = 0; i < 100; i += 33) {
+            tract_add_point(&builder, (double[]){i == 99 ? 100 : i, line, 7});
+        }
+        tract_end_streamline(&builder);
+    }
+    for (int i = 0; i < RING; i++) {
+        tract_add_point(&builder,
+                        (double[]){50 * cos(i * 2 * MATH3_PI / RING), 50 * sin(i * 2 * MATH3_PI / RING), -90});
+    }
+    tract_end_streamline(&builder);
+    builder.made.radius = radius;
+    conus_atlas *atlas = mesh_scene_atlas();
+    assert_ok(atlas_add_tractogram(atlas, &builder.made, "lines"));
+    struct nets nets;
+    assert_ok(nets_make(&nets, atlas, 90));
+    assert_false(nets.is_closed);
+    assert_int_equal(nets.outer_count, nets.corner_count);
+    assert_int_equal(nets.first[2], nets.corner_count);
+    double area = 0;
+    size_t lines = 0;
+    for (size_t i = 0; i < nets.corner_count; i += 3) {
+        double p[3][3];
+        double cross[3];
+        for (size_t k = 0; k < 9; k++) {
+            p[k / 3][k % 3] = (double)nets.positions[3 * (size_t)nets.corners[i + k / 3] + k % 3];
+        }
+        vec3_sub(p[1], p[1], p[0]);
+        vec3_sub(p[2], p[2], p[0]);
+        vec3_cross(cross, p[1], p[2]);
+        area += p[0][2] > 0 ? vec3_length(cross) / 2 : 0;
+    }
+    for (size_t v = 0; v < nets.vertex_count; v++) {
+        const float *p = nets.positions + 3 * v;
+        assert_int_equal(nets.objects[v], 1);
+        if (p[2] > 0) {
+            const double line = round((double)p[1]);
+            assert_near((double)p[2], 7, 1e-5);
+            assert_near(fabs((double)p[1] - line), radius, 1e-3);
+            assert_int_equal((int)line % 3, 0);
+            lines += p[0] == 0;
+        } else {
+            assert_near(hypot((double)p[0], (double)p[1]), 50, radius + 0.2);
+        }
+    }
+    assert_int_equal(lines, 2 * LINES / 3);
+    assert_near(area, 1500 * 2 * radius * 100, 0.01 * area);
+    assert_in_range(nets.vertex_count - LINES / 3 * 8, 2 * 38, 2 * 40);
+    nets_finish(&nets);
+    atlas->places[0].is_hidden = true;
+    assert_fails(nets_make(&nets, atlas, 90), CONUS_ERROR_ARGUMENT);
+    conus_atlas_destroy(atlas);
+}
+
 static void what_has_no_surface_is_refused(void **state)
 {
     (void)state;
@@ -242,6 +308,7 @@ TEST_GROUP(nets)
         cmocka_unit_test(an_area_smaller_than_a_cube_has_a_surface),
         cmocka_unit_test(every_shape_of_an_image_is_closed),
         cmocka_unit_test(meshes_are_as_they_are),
+        cmocka_unit_test(streamlines_are_bands),
         cmocka_unit_test(what_has_no_surface_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };

@@ -16,7 +16,7 @@ test("10,000 random questions come back from their links", () => {
   const number = (low, high) => Number((low + next() * (high - low)).toFixed(3));
   const point = () => [number(-300, 300), number(-300, 300), number(-300, 300)];
   for (let i = 0; i < 10000; i++) {
-    const question = { origin: point(), toward: point(), angle: number(0.01, 170), layers: next() < 0.5 ? "visible" : "all", resolution: 1 + Math.floor(next() * 256), cut: point() };
+    const question = { origin: point(), toward: point(), angle: number(0.01, 170), layers: next() < 0.5 ? "visible" : "all", resolution: 1 + Math.floor(next() * 256), range: next() < 0.5 ? null : [number(0, 50), number(51, 300)], cut: point() };
     const atlas = next() < 0.2 ? "" : `${String.fromCodePoint(...Array.from({ length: 9 }, () => 32 + Math.floor(next() * 900)))}@1f3c9a2b`;
     const text = toFragment(question, atlas);
     assert.deepEqual(fromFragment(`#${text}`), { question, atlas, embed: false }, text);
@@ -35,7 +35,7 @@ test("an empty link is the start, embed is a mode", () => {
 });
 
 for (const [link, words] of [["v=2", /version 2/], ["colour=red", /"colour"/], ["origin=1,2", /three numbers/], ["origin=1,2,x", /origin: x is not a number/], ["angle=0", /0.001 to 170/],
-  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["resolution=16.5", /no whole number/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
+  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["range=40", /two numbers/], ["range=40,40", /first below/], ["range=-1,40", /0 to/], ["resolution=16.5", /no whole number/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
   ["angle=20&angle=30", /"angle" twice/], ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
   test(`#${link.slice(0, 30)} is refused`, () => assert.throws(() => fromFragment(`#${link}`), words));
 }

@@ -43,15 +43,16 @@ function emulate() {
   device.controllers.left.position.set(-0.3, 1, -0.3);
   // iwer says of each hand that its place is guessed.
   Object.defineProperty(window.XRPose.prototype, "emulatedPosition", { get: () => window.isLost });
-  Object.assign(window, { isLost: false, isDrawn: false, questions: [], panel: [], frames: 0 });
-  const sent = new Map(), NativeWorker = window.Worker;
+  Object.assign(window, { isLost: false, isDrawn: false, questions: [], sights: [], steps: [], panel: [], frames: 0 });
+  const sent = new Map(), steps = new Set(), NativeWorker = window.Worker;
   window.Worker = class extends NativeWorker {
     constructor(url) {
       super(url);
       this.addEventListener("message", ({ data }) => {
         const question = sent.get(data.id);
         if (data.atlas) window.atlas = data.atlas;
-        if (question) window.questions.push({ ...question, rows: data.rows });
+        const list = steps.has(data.id) ? window.steps : question?.resolution === 1 ? window.sights : window.questions;
+        if (question) list.push({ ...question, rows: data.rows });
         sent.delete(data.id);
         window.waiting = sent.size;
       });
@@ -60,6 +61,7 @@ function emulate() {
     postMessage(message, give) {
       const isOfPage = String(message.question?.origin) === "-90,20,20"; // which it began with
       if (message.call === "draw" && !isOfPage && !message.cuts.length && !message.view) sent.set(message.id, message.question);
+      if (message.step) steps.add(message.id);
       window.waiting = sent.size;
       super.postMessage(message, give);
     }
@@ -103,6 +105,21 @@ function emulate() {
     const unit = (p) => p.map((v) => v / Math.hypot(...p)), cross = (p, q) => [0, 1, 2].map((a) => p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3]);
     const z = unit(from.map((v, a) => v - to[a])), x = unit(cross([0, 1, 0], z)), y = cross(z, x), w = Math.sqrt(Math.max(1e-9, 1 + x[0] + y[1] + z[2])) / 2;
     return [(y[2] - z[1]) / 4 / w, (z[0] - x[2]) / 4 / w, (x[1] - y[0]) / 4 / w, w];
+  };
+  window.press = async (hand = device.controllers.right) => {
+    for (const value of [1, 0]) {
+      hand.updateButtonValue("trigger", value);
+      await window.frame(3);
+    }
+  };
+  /** Presses the panel at a pixel of its 1024 x 640: it is over the brain, upright, before the eyes. */
+  window.pressPanel = async (x, y) => {
+    const { low, high } = window.atlas, mm = 0.36 / Math.max(...low.map((v, a) => high[a] - v));
+    const middle = [0, 1.2 + (high[2] - low[2]) / 2 * mm + 0.03 + 0.125, -0.6], back = [0, 1.6 - middle[1], 0.6].map((v, _, all) => v / Math.hypot(...all));
+    const [right, up] = [0.4 * (x / 1024 - 0.5), 0.25 * (0.5 - y / 640)];
+    window.point([0.1, 1.5, -0.1], [middle[0] + right, middle[1] + up * back[2], middle[2] - up * back[1]]);
+    await window.settled();
+    await window.press();
   };
   window.point = (at, to, hand = device.controllers.right) => {
     hand.position.set(...at);
@@ -178,13 +195,13 @@ function grouped(questions, word) {
 
 /** The rows of `conus batch` for questions of one kind, by a table of poses. */
 function batch(questions, { layers, resolution }) {
-  const lines = questions.map(({ origin, toward, angle }, i) => [i + 1, ...origin, ...toward, angle].join("\t"));
-  fs.writeFileSync(path.join(folder, "poses.tsv"), `${["name\tx\ty\tz\ttx\tty\ttz\tangle", ...lines].join("\n")}\n`);
+  const lines = questions.map(({ origin, toward, angle, range }, i) => [i + 1, ...origin, ...toward, angle, ...range ?? ["", ""]].join("\t"));
+  fs.writeFileSync(path.join(folder, "poses.tsv"), `${["name\tx\ty\tz\ttx\tty\ttz\tangle\tnear\tfar", ...lines].join("\n")}\n`);
   run("batch", atlas, "--poses", "poses.tsv", "--layers", layers, "--resolution", String(resolution), "-o", "rows.ndjson", "-q", "--force");
   return fs.readFileSync(path.join(folder, "rows.ndjson"), "utf8");
 }
 
-// Half of the poses point anywhere, half at the brain; sticks and buttons change angle and layers. All rows that the
+// Half of the poses point anywhere, half at the brain; sticks and buttons change angle, near plane and layers. All rows that the
 // panel was given count, those of rough questions, too.
 test(`${POSES} poses: all rows are those of conus batch, to the byte`, { skip, timeout: 3600000 }, async (t) => {
   const page = await visit(t);
@@ -205,6 +222,7 @@ test(`${POSES} poses: all rows are those of conus batch, to the byte`, { skip, t
       }
       hand.updateAxes("thumbstick", 0, i % 3 ? 0 : 2 * random() - 1);
       if (i % 7 === 0) hand.updateButtonValue("a-button", 1);
+      hand.updateButtonValue("b-button", Number(i % 6 === 0)); // the stick then moves the near plane
       const before = window.questions.length;
       do await window.frame(1); while (window.questions.length === before || window.questions.at(-1).resolution !== 64);
       hand.updateButtonValue("a-button", 0);
@@ -226,8 +244,9 @@ test(`${POSES} poses: all rows are those of conus batch, to the byte`, { skip, t
   const angles = questions.map(({ angle }) => angle);
   t.diagnostic(`${questions.length} questions, ${bytes} bytes equal; ${hit} cones hit something; angles ${Math.min(...angles)} to ${Math.max(...angles)}`);
   assert.ok(hit > POSES / 2);
-  const { origin, toward, angle, layers, rows } = questions.at(-1);
-  assert.equal(run("query", atlas, `--origin=${origin}`, `--toward=${toward}`, `--angle=${angle}`, "--layers", layers, "--format", "ndjson", "-q"), rows);
+  assert.ok(questions.filter(({ range, rows }) => range && /"kind":"area"/.test(rows)).length > POSES / 20);
+  const { origin, toward, angle, range, layers, rows } = questions.at(-1);
+  assert.equal(run("query", atlas, `--origin=${origin}`, `--toward=${toward}`, `--angle=${angle}`, ...range ? ["--range", String(range)] : [], "--layers", layers, "--format", "ndjson", "-q"), rows);
 });
 
 // The mapping a second time: the head looks along (-sin a, 0, -cos a); the brain's middle is 0.6 m ahead and 0.4 below,
@@ -256,24 +275,27 @@ test("what is asked is where the hand is, for a head that stands anywhere", { sk
 test("a press holds what was pointed at before it, a second one lets go; off the head, the page has it, and the poses", { skip }, async (t) => {
   const page = await visit(t);
   await enter(page);
-  const before = await page.evaluate(() => window.settled());
+  const before = await page.evaluate(async () => { // with a near plane
+    const hand = window.device.controllers.right;
+    hand.updateButtonValue("b-button", 1);
+    hand.updateAxes("thumbstick", 0, -1);
+    await window.frame(20);
+    hand.updateAxes("thumbstick", 0, 0);
+    await window.frame();
+    hand.updateButtonValue("b-button", 0);
+    return window.settled();
+  });
   const { held, free } = await page.evaluate(async () => {
     const hand = window.device.controllers.right;
-    const press = async () => {
-      hand.updateButtonValue("trigger", 1);
-      await window.frame(3);
-      hand.updateButtonValue("trigger", 0);
-      await window.frame(3);
-    };
     hand.position.set(0.1, 1.25, 0); // the press moves the hand
-    await press();
+    await window.press();
     hand.position.set(0.3, 1.1, 0);
     const held = await window.settled();
-    await press();
+    await window.press();
     const free = await window.settled();
     hand.position.set(0.05, 1.25, 0);
     await window.settled();
-    await press();
+    await window.press();
     await window.settled();
     await window.frame(20);
     return { held, free };
@@ -281,6 +303,8 @@ test("a press holds what was pointed at before it, a second one lets go; off the
   assert.deepEqual(held, before);
   assert.notDeepEqual(free, before);
   const last = await page.evaluate(() => ({ ...window.questions.at(-1), panel: window.panel, all: window.questions }));
+  const [from] = last.range;
+  assert.ok(from > 5 && last.panel.some((text) => text.includes(`from ${Math.round(from)} mm`)), `${last.panel}`);
   const shown = last.rows.trim().split("\n").map((row) => JSON.parse(row)).filter((row) => row.kind !== "unassigned");
   assert.ok(shown.length > 2);
   for (const { name, share } of shown.slice(0, 6)) assert.ok(last.panel.includes(name) && last.panel.includes(`${(100 * share).toFixed(1)} %`), `${last.panel}`);
@@ -288,6 +312,7 @@ test("a press holds what was pointed at before it, a second one lets go; off the
   await leave(page);
   await page.waitForFunction((name) => document.querySelector("tbody td:nth-child(2)")?.textContent === name, shown[0].name, WAIT);
   assert.deepEqual(await fields(page), [...last.origin, ...last.toward]);
+  assert.equal(await page.locator("[name=range]").inputValue(), String(last.range));
   assert.deepEqual(await page.locator("tbody tr td:nth-child(2)").allInnerTexts(), shown.map(({ name }) => name));
   const saved = [];
   page.on("download", (download) => saved.push(download));
@@ -355,21 +380,76 @@ test("hands carry, turn and scale the brain; a stick opens the cone; buttons are
   near(found.after, [0, -0.05 * side / 0.36, 0], 1.2); // the grips lie 4 mm beside the controllers
   near(found.home, found.before, 0.01);
   assert.ok(found.opened > 22, String(found.opened));
-  const panel = await page.evaluate(async ([low, high, side]) => { // over the brain, upright, before the eyes; a button at 706, 592 of 1024, 640
-    const middle = [0, 1.2 + (high[2] - low[2]) / 2 * 0.36 / side + 0.03 + 0.125, -0.6];
-    const back = [0, 1.6 - middle[1], 0.6].map((v, _, all) => v / Math.hypot(...all)), x = 0.4 * (706 / 1024 - 0.5), y = 0.25 * (0.5 - 592 / 640);
-    window.point([0.1, 1.5, -0.1], [middle[0] + x, middle[1] + y * back[2], middle[2] - y * back[1]]);
-    await window.settled();
-    const hand = window.device.controllers.right;
-    hand.updateButtonValue("trigger", 1);
-    await window.frame(3);
-    hand.updateButtonValue("trigger", 0);
+  const panel = await page.evaluate(async () => {
+    await window.pressPanel(706, 592);
     const { layers } = await window.settled();
     await window.frame(20);
     return { layers, words: window.panel };
-  }, [low, high, side]);
+  });
   assert.equal(panel.layers, "all");
   assert.ok(panel.words.some((text) => / all layers, 64 × 64 rays$/.test(text)), `${panel.words}`);
+});
+
+// The hand is 0.5 m behind each ball, as high as it, and points 1 or 3 degrees too far to the right, half a degree too
+// high or too low: 2 and 0 on the average, and deviations of 1 and 0.5 by the root of 8/7.
+test("trials: a hand that is 2 degrees off is found to be so by conus calibrate", { skip }, async (t) => {
+  const page = await visit(t);
+  await enter(page);
+  const words = await page.evaluate(async () => {
+    const { low, high } = window.atlas, mm = 0.36 / Math.max(...low.map((v, a) => high[a] - v));
+    await window.pressPanel(912, 512);
+    for (let i = 0, seen = null; i < 8; i++) {
+      let ball = null;
+      while (!ball || window.sights.length === seen) {
+        await window.frame(1);
+        const rows = window.sights.at(-1)?.rows.trim().split("\n").map((row) => JSON.parse(row)) ?? [];
+        ball = rows.length && rows[0].kind !== "unassigned" ? [rows[0].contact_x, rows[0].contact_y, rows[0].contact_z] : null;
+      }
+      seen = window.sights.length;
+      const [x, y, z] = ball.map((v, a) => mm * (v - (low[a] + high[a]) / 2)), errors = [i % 2 ? 3 : 1, i & 2 ? 0.5 : -0.5].map((v) => Math.tan(v * Math.PI / 180));
+      const at = [x, 1.2 + z, -0.6 - y + 0.5];
+      window.point(at, [at[0] + errors[0], at[1] + errors[1], at[2] - 1]);
+      await window.settled();
+      await window.press();
+    }
+    await window.frame(20);
+    return window.panel;
+  });
+  assert.ok(words.some((text) => text.startsWith("Trial 9")), `${words}`);
+  await leave(page);
+  const [download] = await Promise.all([page.waitForEvent("download", (file) => file.suggestedFilename() === "conus-aal-trials.tsv"), page.locator('[data-save="poses"]').click()]);
+  await download.saveAs(path.join(folder, "conus-aal-trials.tsv"));
+  const text = fs.readFileSync(path.join(folder, "conus-aal-trials.tsv"), "utf8");
+  assert.equal(text.trim().split("\n").length, 10);
+  run(.../^# conus (.*)\n/.exec(text)[1].split(" "), "-o", "found.ndjson", "-q", "--force");
+  const found = Object.fromEntries(fs.readFileSync(path.join(folder, "found.ndjson"), "utf8").trim().split("\n").map((row) => JSON.parse(row)).map(({ parameter, value }) => [parameter, value]));
+  near([found.bias_x, found.bias_y, found.sigma_x, found.sigma_y], [2, 0, Math.sqrt(8 / 7), Math.sqrt(8 / 7) / 2], 0.005);
+});
+
+// The hand goes from the brain's middle to its left edge, and a press there confirms what was selected 0.15 s before.
+test("with a history: the rows of each step are those of conus track, to the byte", { skip }, async (t) => {
+  const page = await visit(t);
+  await enter(page);
+  const words = await page.evaluate(async () => {
+    await window.pressPanel(706, 512);
+    for (let i = 0; i < 30; i++) {
+      window.point([0.05, 1.25, 0], [-0.005 * i, 1.2, -0.6]);
+      await window.frame();
+    }
+    await window.press();
+    while (!window.steps.some(({ rows }) => /"confirmed":1/.test(rows))) await window.frame(1);
+    await window.frame(20);
+    return window.panel;
+  });
+  assert.match(words.join(" "), /^\w+ is selected; \w+ was confirmed/);
+  await leave(page);
+  const steps = await page.evaluate(() => window.steps);
+  const [download] = await Promise.all([page.waitForEvent("download", (file) => file.suggestedFilename() === "conus-aal-visible-16-track-1.tsv"), page.locator('[data-save="poses"]').click()]);
+  await download.saveAs(path.join(folder, "conus-aal-visible-16-track-1.tsv"));
+  const [, command] = /^# conus (.*)\n/.exec(fs.readFileSync(path.join(folder, "conus-aal-visible-16-track-1.tsv"), "utf8"));
+  run(...command.replace("aal.nii.gz", atlas).replace("rows.tsv", "steps.ndjson").split(" "), "-q", "--force");
+  assert.equal(steps.map(({ rows }, i) => rows.replaceAll('{"query":"1"', `{"query":"${i + 1}"`)).join(""), fs.readFileSync(path.join(folder, "steps.ndjson"), "utf8"));
+  t.diagnostic(`${steps.length} steps`);
 });
 
 test("bare hands: a pinch holds, in the brain it carries, and the other hand's opens the cone", { skip }, async (t) => {
@@ -429,26 +509,17 @@ test("a hand that is not seen asks nothing, and the panel says so", { skip }, as
   assert.ok(found.words.some((text) => text.endsWith("old: no hand is seen")), `${found.words}`);
   // A press then holds nothing; as soon as the hand is back, what it points at, and not what it did before.
   const held = await page.evaluate(async () => {
-    const hand = window.device.controllers.right;
-    const press = async () => {
-      hand.updateButtonValue("trigger", 1);
-      await window.frame(2);
-      hand.updateButtonValue("trigger", 0);
-      await window.frame(2);
-    };
-    await press();
+    await window.press();
     const words = window.panel;
     await new Promise((done) => { setTimeout(done, 700); });
     window.isLost = false;
     await window.frame(2);
-    await press();
+    await window.press();
     return { words, question: await window.settled() };
   });
   assert.ok(held.words.every((text) => !text.endsWith("held")), `${held.words}`);
   const free = await page.evaluate(async () => {
-    window.device.controllers.right.updateButtonValue("trigger", 1);
-    await window.frame(2);
-    window.device.controllers.right.updateButtonValue("trigger", 0);
+    await window.press();
     return window.settled();
   });
   assert.deepEqual(held.question, free); // where the hand still is

@@ -4,13 +4,13 @@
 const WIDTH = 1024, HEIGHT = 640; // pixels
 const EVERY = 100; // ms between two writings
 const LINES = 6;
-const BUTTONS = [{ name: "layers", left: 596, right: 816 }, { name: "home", left: 832, right: 992 }];
-const TOP = 556, BOTTOM = 628; // of the buttons
+const BUTTONS = [{ name: "layers", left: 596, right: 816, low: 606 }, { name: "home", left: 832, right: 992, low: 606 }, { name: "history", left: 596, right: 816, low: 530 }, { name: "trials", left: 832, right: 992, low: 530 }];
+const OVER = 50, UNDER = 22; // pixels of a button above and below its words' base
 
 /** m. A capital letter of the least type, 40 pixels, is 11 mm high: 0.54 degrees at 1.2 m. */
 export const SIZE = [0.4, 0.4 * HEIGHT / WIDTH];
 
-/** What a panel says. @typedef {{sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number, state: string, layers: string}} Said */
+/** What a panel says. @typedef {{sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number, state: string, layers: string, isTrial: boolean, isTracked: boolean}} Said */
 
 export class Board {
   constructor() {
@@ -34,7 +34,7 @@ export class Board {
   }
 
   /** @param {Said} said */
-  write({ sentence, rows, more, state, layers }) {
+  write({ sentence, rows, more, state, layers, isTrial, isTracked }) {
     const c = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d"));
     const words = (/** @type {string} */ font, /** @type {string} */ text, /** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ room) => {
       c.font = `${font} system-ui, sans-serif`;
@@ -69,19 +69,19 @@ export class Board {
       c.textAlign = "left";
     });
     const rest = rows.length + more - Math.min(rows.length, LINES);
-    words("40px", rest ? `and ${rest} more` : "", 40, 526, WIDTH - 80);
+    words("40px", rest ? `and ${rest} more` : "", 40, 526, BUTTONS[2].left - 60);
     words("40px", state, 40, 606, BUTTONS[0].left - 60);
     c.textAlign = "center";
-    const texts = [layers === "all" ? "first hits" : "all layers", "home"];
-    BUTTONS.forEach(({ left, right }, i) => {
-      box("LOOK_DARK_BUTTON", left, TOP, right - left, BOTTOM - TOP, 12);
-      words("40px", texts[i], (left + right) / 2, 606, right - left - 16);
+    const texts = [layers === "all" ? "first hits" : "all layers", "home", isTracked ? "no history" : "history", isTrial ? "no trials" : "trials"];
+    BUTTONS.forEach(({ left, right, low }, i) => {
+      box("LOOK_DARK_BUTTON", left, low - OVER, right - left, OVER + UNDER, 12);
+      words("40px", texts[i], (left + right) / 2, low, right - left - 16);
     });
   }
 
   /** The button at a place, 0 to 1 from the left and the top; "" where there is none. @param {number} u @param {number} v */
   button(u, v) {
     const x = u * WIDTH, y = v * HEIGHT;
-    return y >= TOP && y <= BOTTOM ? BUTTONS.find(({ left, right }) => x >= left && x <= right)?.name ?? "" : "";
+    return BUTTONS.find(({ left, right, low }) => x >= left && x <= right && y >= low - OVER && y <= low + UNDER)?.name ?? "";
   }
 }

@@ -772,10 +772,11 @@ function describeFor({ refused = "", depth, rows: text, hits, ranks, colours }) 
   const found = rows.filter((row) => row.kind !== "unassigned").map((row, i) => {
     const [name, ...own] = objects[hits[i] - 1];
     const rgb = byRank() ? [1, 3, 5].map((at) => parseInt(colours[i].slice(at, at + 2), 16)) : own.slice(0, 3);
-    return { number: hits[i], name, rgb: /** @type {number[]} */ (rgb), behind: !row.pixels, isDrawn: ranks[i] && (row.pixels || ranks[i] <= RANKED), share: row.pixels ? `${(100 * row.share).toFixed(1)} %` : "behind" };
+    return { number: hits[i], name, rgb: /** @type {number[]} */ (rgb), behind: !row.pixels, isDrawn: ranks[i] && (row.pixels || ranks[i] <= RANKED), share: row.pixels ? `${(100 * row.share).toFixed(1)} %` : row.time_s === undefined ? "behind" : "before" };
   });
-  return { refused: inPage(refused), depth, best: hits[0] ?? 0, hits: found.filter(({ isDrawn }) => isDrawn).slice(0, SOLID),
-    said: { sentence: refused ? "" : sentence(rows, hits), rows: found.slice(0, RANKED), more: Math.max(0, found.length - RANKED) } };
+  const nameOf = (/** @type {string} */ what) => found.find((_, i) => rows[i][what])?.name ?? ""; // of a step
+  return { refused: inPage(refused), depth, best: hits[0] ?? 0, contact: found.length && rows[0].pixels ? [rows[0].contact_x, rows[0].contact_y, rows[0].contact_z] : null, hits: found.filter(({ isDrawn }) => isDrawn).slice(0, SOLID),
+    selected: nameOf("selected"), confirmed: nameOf("confirmed"), said: { sentence: refused ? "" : sentence(rows, hits), rows: found.slice(0, RANKED), more: Math.max(0, found.length - RANKED) } };
 }
 
 /** @param {"immersive-vr" | "immersive-ar"} mode */
@@ -788,7 +789,7 @@ const enter = (mode) => attempt(async () => {
   const { low, high } = atlas;
   const entered = headset = new Headset(here, {
     question: { ...question }, low, high, file: atlasFile, name: atlas.name,
-    ask: async (asked) => describeFor(await ask("draw", { question: asked, cuts: [], view: null, chosen: 0, given: [] })
+    ask: async (asked, step) => describeFor(await ask("draw", { question: asked, step, cuts: [], view: null, chosen: 0, given: [] })
       .catch(({ message }) => ({ refused: message, depth: 0, rows: "", hits: [] }))),
     hold: (held) => {
       mend("");
@@ -843,9 +844,12 @@ function savePoses() {
   if (!headset) return;
   const { name: whole, file: atlasFile } = headset.page, name = whole.replace(/\..*/, ""); // of the atlas that was asked
   for (const [kind, lines] of headset.record) {
-    const [layers, resolution] = kind.split("-");
-    const file = `conus-${name}-${kind}.tsv`;
-    const head = `# conus batch ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution}${toOptions(headset.page.question, ["angle", "layers", "resolution"])} -o rows.tsv\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", "trigger"].join("\t")}\n`;
+    const [layers, resolution, track] = kind.split("-");
+    const file = `conus-${name}-${kind}.tsv`, isTrials = kind === "trials";
+    const command = isTrials ? `calibrate --poses ${file}`
+      : `${track ?? "batch"} ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution}${track ? " --score intenselect_plus" : ""}${toOptions(headset.page.question, ["angle", "layers", "resolution", "range"])} -o rows.tsv`;
+    const more = isTrials ? ["aim_x", "aim_y", "aim_z"] : ["near", "far", "layers", "resolution", "trigger"];
+    const head = `# conus ${command}\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", ...more].join("\t")}\n`;
     download(file, new Blob([head, lines.join("\n"), "\n"]));
   }
 }

@@ -84,12 +84,14 @@ export function cross(out, p, q) {
   return out;
 }
 
-/** Makes p 1 long. @param {Float64Array} p */
-export function unit(p) {
-  const long = length(p) || 1;
-  for (let a = 0; a < 3; a++) p[a] /= long;
+/** @param {Float64Array} p @param {number} by */
+export function scale(p, by) {
+  for (let a = 0; a < 3; a++) p[a] *= by;
   return p;
 }
+
+/** Makes p 1 long. @param {Float64Array} p */
+export const unit = (p) => scale(p, 1 / (length(p) || 1));
 
 const u = point(), v = point(), axis = point(), middle = point();
 const back = matrix(), turn = matrix();

@@ -3,7 +3,7 @@
 import { digits } from "./state.js";
 
 /** @typedef {import("./state.js").Point} Point */
-/** @typedef {{origin: Point, toward: Point, angle: number, cut: Point}} Aim */
+/** @typedef {{origin: Point, toward: Point, angle: number, range?: number[] | null, cut: Point}} Aim */
 
 /** Each cut: its name, the axes to its right and top, the axis through it, and letters of its left, right, top, bottom. */
 export const CUTS = [
@@ -291,8 +291,8 @@ function name(c, text, [x, y], isLeft) {
   outlined(c, text, x + (goesLeft ? -12 : 12), y - 12);
 }
 
-/** The cone's apex and points of its rim, so many mm along its axis; 0 is at the target. @param {Aim} aim @param {number} depth */
-function coneOf({ origin, toward, angle }, depth) {
+/** Points of the cone's rims, where it begins, and so many mm along its axis; 0 is at the target. @param {Aim} aim @param {number} depth */
+function coneOf({ origin, toward, angle, range }, depth) {
   const axis = toward.map((v, a) => v - origin[a]);
   const length = Math.hypot(...axis) || 1;
   const least = axis.map(Math.abs).indexOf(Math.min(...axis.map(Math.abs)));
@@ -301,14 +301,14 @@ function coneOf({ origin, toward, angle }, depth) {
   const scale = Math.hypot(...across) || 1;
   const up = cross(axis, across).map((v) => v / length);
   const radius = length * Math.tan(angle * Math.PI / 360) / scale;
-  const far = (depth || length) / length;
   const round = Array.from({ length: 48 }, (_, i) => i * Math.PI / 24);
-  return { tip: origin, rim: round.map((t) => origin.map((v, a) => v + far * (axis[a] + radius * (Math.cos(t) * across[a] + Math.sin(t) * up[a])))) };
+  const at = (/** @type {number} */ mm) => round.map((t) => origin.map((v, a) => v + mm / length * (axis[a] + radius * (Math.cos(t) * across[a] + Math.sin(t) * up[a]))));
+  return { near: at(range?.[0] ?? 0), rim: at(Math.min(range?.[1] ?? Infinity, depth || length)) };
 }
 
-/** The edge of a cone in a plane, which is convex. @param {{tip: number[], rim: number[][]}} cone @param {typeof CUTS[number]} plane @param {number[]} cut */
-function section({ tip, rim }, { right, up, through }, cut) {
-  const points = rim.flatMap((p, i) => [[tip, p], [p, rim[(i + 1) % rim.length]]]).flatMap(([p, q]) => {
+/** The edge of a cone in a plane, which is convex. @param {{near: number[][], rim: number[][]}} cone @param {typeof CUTS[number]} plane @param {number[]} cut */
+function section({ near, rim }, { right, up, through }, cut) {
+  const points = rim.flatMap((p, i) => [[near[i], p], ...[near, rim].map((round) => [round[i], round[(i + 1) % rim.length]])]).flatMap(([p, q]) => {
     const part = (cut[through] - p[through]) / (q[through] - p[through]);
     return part >= 0 && part <= 1 ? [p.map((v, a) => v + part * (q[a] - v))] : [];
   });
@@ -409,15 +409,14 @@ export class View extends Pane {
   annotate(aim, chosenEnd) {
     const c = cleared(this.over, this.side);
     if (this.depth && aim.angle < 120) {
-      const { rim } = coneOf(aim, this.depth < ENDLESS ? this.depth : 0);
-      const [tip, ...at] = [aim.origin, ...rim].map((p) => this.place(p));
+      const { near, rim } = coneOf(aim, this.depth < ENDLESS ? this.depth : 0);
+      const [from, at] = [near, rim].map((round) => round.map((p) => this.place(p)));
       const ends = at.map((_, i) => (i + 1) % at.length);
       c.beginPath();
-      at.forEach((p, i) => { // triangles that all turn the same way, so that what two of them cover is filled once
-        const q = at[ends[i]];
+      at.forEach((p, i) => { // sides that all turn the same way, so that what two of them cover is filled once
+        const q = at[ends[i]], tip = from[i], side = [tip, p, q, from[ends[i]]];
         const turns = (p[0] - tip[0]) * (q[1] - tip[1]) > (p[1] - tip[1]) * (q[0] - tip[0]);
-        c.moveTo(tip[0], tip[1]);
-        for (const [x, y] of turns ? [p, q] : [q, p]) c.lineTo(x, y);
+        (turns ? side : side.reverse()).forEach(([x, y], corner) => (corner ? c.lineTo(x, y) : c.moveTo(x, y)));
       });
       c.fillStyle = "LOOK_CONE1f"; // thin: colours of the hits stay what they are in the table
       c.fill();
@@ -425,7 +424,7 @@ export class View extends Pane {
         at.forEach((p, i) => {
           c.setLineDash(this.hides(rim[i]) ? [3, 3] : []);
           line(c, colour, width, [p, at[ends[i]]]);
-          if (i % 12 === 0) line(c, colour, width - 1, [tip, p]);
+          if (i % 12 === 0) line(c, colour, width - 1, [from[i], p]);
         });
       }
       c.setLineDash([]);

@@ -40,12 +40,12 @@ void main() { result = hasPicture ? texture(picture, uv) : vec4(colour.rgb * col
 /** Of a colour "#rrggbb", and an opacity. @param {string} hex @param {number} opacity */
 const rgba = (hex, opacity) => Float32Array.of(...[1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255), opacity);
 const COLOURS = {
-  ground: rgba("LOOK_PANE_DARK", 1), rest: rgba("LOOK_NOT_HIT", 1), floor: rgba("LOOK_NOT_HIT", 0.4),
+  ground: rgba("LOOK_PANE_DARK", 1), rest: rgba("LOOK_NOT_HIT", 1), floor: rgba("LOOK_NOT_HIT", 0.4), ball: rgba("LOOK_SECOND", 1),
   seen: rgba("LOOK_CONE", 1), hidden: rgba("LOOK_CONE", 0.5), cone: rgba("LOOK_CONE", 0.14),
   oldSeen: rgba("LOOK_CONE_OLD", 1), oldHidden: rgba("LOOK_CONE_OLD", 0.5), oldCone: rgba("LOOK_CONE_OLD", 0.14),
 };
 
-/** What a frame shows. @typedef {{brain: Float64Array, cone: Float64Array | null, isOld: boolean, wands: Float64Array[], wandCount: number, panel: Float64Array, hasFloor: boolean}} Scene */
+/** What a frame shows. @typedef {{brain: Float64Array, cone: Float64Array | null, near: Float64Array | null, ball: Float64Array | null, isOld: boolean, wands: Float64Array[], wandCount: number, panel: Float64Array, hasFloor: boolean}} Scene */
 
 export class Stage {
   /** @param {() => void} lost */
@@ -71,6 +71,7 @@ export class Stage {
       rim: this.shape(band(0.97, (x, y) => [x, y, 1])),
       wand: this.shape(ends.flatMap(([x, y, u, v]) => [0, 0, 0, 0.01 * x, 0.01 * y, 0.12, 0.01 * u, 0.01 * v, 0.12])), // its tip is the cone's apex
       square: this.shape([-0.5, -0.5, 0, 0.5, -0.5, 0, 0.5, 0.5, 0, -0.5, -0.5, 0, 0.5, 0.5, 0, -0.5, 0.5, 0], [0, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0]),
+      ball: this.shape(Array.from({ length: SIDES / 4 }, (_, i) => [i, i + 1].map((v) => 4 * Math.PI * v / SIDES)).flatMap(([low, high]) => ends.flatMap(([x, y, u, v]) => [[x, y, low], [u, v, low], [u, v, high], [x, y, low], [u, v, high], [x, y, high]].flatMap(([a, b, t]) => [a * Math.sin(t), b * Math.sin(t), Math.cos(t)])))),
       floor: this.shape(band(0.985, (x, z) => [x, 0, z])),
     };
     this.hasPanel = false;
@@ -263,14 +264,16 @@ export class Stage {
   }
 
   /** @param {Scene} scene */
-  drawRest({ cone, isOld, wands, wandCount, panel, hasFloor }) {
+  drawRest({ cone, near, ball, isOld, wands, wandCount, panel, hasFloor }) {
     const { gl, shapes } = this;
     gl.enable(gl.BLEND);
     gl.depthFunc(gl.LEQUAL);
     for (let i = 0; i < wandCount; i++) this.put(times(this.model, this.clip, wands[i]), shapes.wand, COLOURS.rest);
     if (this.hasPanel) this.put(times(this.model, this.clip, panel), shapes.square, null);
+    if (ball) this.put(times(this.model, this.clip, ball), shapes.ball, COLOURS.ball);
     gl.depthMask(false);
     if (hasFloor && !this.seesRoom) this.put(this.clip, shapes.floor, COLOURS.floor);
+    if (near) this.put(times(this.model, this.clip, near), shapes.rim, isOld ? COLOURS.oldSeen : COLOURS.seen);
     if (cone) {
       times(this.model, this.clip, cone);
       gl.disable(gl.DEPTH_TEST); // its end is seen in the brain, too

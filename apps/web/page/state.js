@@ -3,8 +3,8 @@
 
 /**
  * @typedef {[number, number, number]} Point
- * @typedef {{name: string, type: "number" | "count" | "choice" | "flag", help: string, unit?: string, default?: string, common: boolean, range?: {low: number, high: number}, choices?: string[]}} Row
- * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, cut: Point | null} & Record<string, any>} Question; cuts without a place go through the contact of the best hit
+ * @typedef {{name: string, type: "number" | "count" | "range" | "choice" | "flag", help: string, unit?: string, default?: string, common: boolean, range?: {low: number, high: number}, choices?: string[]}} Row
+ * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, range: number[] | null, cut: Point | null} & Record<string, any>} Question; cuts without a place go through the contact of the best hit
  */
 
 /** What is asked beside the two places: apps/pages/question.c has the rows, pack.mjs puts them here. @type {Row[]} */
@@ -46,17 +46,23 @@ function readPoint(text, key) {
 
 /** The value of a row in words; throws, with what is allowed. @param {Row} row @param {string} text */
 export function readRow({ name, type, range, choices = ["1", ""] }, text) {
+  if (type === "range" && !text) return null;
   if (type === "number" || type === "count") {
     const x = readWithin(name, text, range ? [range.low, range.high] : [-Infinity, Infinity]);
     if (type === "count" && !Number.isInteger(x)) throw new Error(`${name}: ${text} is no whole number`);
     return x;
+  }
+  if (type === "range") {
+    const ends = text.split(",").map((x) => readWithin(name, x, range ? [range.low, range.high] : [-Infinity, Infinity]));
+    if (ends.length !== 2 || ends[0] >= ends[1]) throw new Error(`${name}=${text}: two numbers are allowed, the first below the second`);
+    return ends;
   }
   if (!choices.includes(text)) throw new Error(`${name}=${text}: ${choices.join(" and ")} are allowed`);
   return type === "choice" ? text : Boolean(text);
 }
 
 /** And back. @param {Row} row @param {any} value */
-export const textOf = ({ type, unit }, value) => (type === "flag" ? (value ? "1" : "") : type === "choice" ? value : unit ? digits(value) : String(Number(value.toPrecision(9))));
+export const textOf = ({ type, unit }, value) => (type === "flag" ? (value ? "1" : "") : type === "range" ? value?.map(digits).join(",") ?? "" : type === "choice" ? value : unit ? digits(value) : String(Number(value.toPrecision(9))));
 
 /** @type {Question} */
 export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], cut: null, .../** @type {any} */ (Object.fromEntries(ROWS.map((row) => [row.name, readRow(row, row.default ?? "")]))) };

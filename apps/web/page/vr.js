@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The atlas in a headset, by WebXR: a hand points a cone at it, conus answers in the page's worker. Lengths of the room
 // are metres, those of the brain mm; `brain` (room_from_ras) joins them. A frame makes no objects; a question does.
-import { XR_FROM_RAS, apply, between, columns, cross, dot, invert, length, matrix, plus, point, similarity, times, unit } from "./matrix.js";
+import { XR_FROM_RAS, apply, between, columns, cross, dot, invert, length, matrix, plus, point, scale, similarity, times, unit } from "./matrix.js";
 import { Board, SIZE } from "./board.js";
 
 /** @typedef {import("./state.js").Question} Question */
-/** @typedef {{time: number, numbers: Float64Array}} Moment what was pointed at: origin, toward, angle */
-/** @typedef {{refused: string, depth: number, best: number, hits: {number: number, rgb: number[], behind: boolean}[], said: {sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number}}} Answer */
+/** @typedef {{time: number, numbers: Float64Array}} Moment what was pointed at: origin, toward, angle, near */
+/** @typedef {{refused: string, depth: number, best: number, contact: number[] | null, selected: string, confirmed: string, hits: {number: number, rgb: number[], behind: boolean}[], said: {sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number}}} Answer */
 
 const REACH = 100; // mm from the apex to the target that is asked: beyond, 0.001 mm is less than 0.0006 degrees
 const DELAY = 150; // ms before a press, which itself moves the hand (Eq. 12)
@@ -22,6 +22,10 @@ const TURN = Math.PI / 6; // a step
 const DEAD = 0.15; // of a stick's way
 const GESTURE = 8; // the angle's logarithm for a metre of a second hand's way
 const ANGLES = [1, 120];
+const ADVANCE = 0.1; // m that a stick moves the near plane in a second
+const NO_END = 1e5; // mm to the far end of a range that begins at the near plane
+const NUMBERS = 8; // of a moment
+const BALL = 0.006; // m of its radius: a degree from 0.7 m
 const CUTOFF = 1.5, BETA = 8, CUTOFF_SPEED = 1; // One Euro filter (Casiez et al. 2012): Hz, Hz per unit/s, Hz
 const MOMENTS = 64; // the last half second, and more
 const STRIPE = 8; // mm of an atlas of 180 mm
@@ -70,18 +74,19 @@ function aim(numbers, rasFromRoom, at, ahead) {
   }
 }
 const origin = point(), direction = point();
-const ZERO = point(), Y = Float64Array.of(0, 1, 0), Z = Float64Array.of(0, 0, 1);
+const Y = Float64Array.of(0, 1, 0), Z = Float64Array.of(0, 0, 1);
 const p = point(), q = point(), r = point();
 const a = matrix(), b = matrix(), c = matrix();
 
 export class Headset {
-  /** @param {import("./stage.js").Stage} stage @param {{question: Question, low: number[], high: number[], file: string, name: string, ask: (question: Question) => Promise<Answer>, hold: (question: Question) => void, ended: () => void}} page */
+  /** @param {import("./stage.js").Stage} stage @param {{question: Question, low: number[], high: number[], file: string, name: string, ask: (question: Question, step?: [number, boolean, boolean]) => Promise<Answer>, hold: (question: Question) => void, ended: () => void}} page */
   constructor(stage, page) {
     this.stage = stage;
     this.page = page;
     this.board = new Board();
     this.angle = Math.min(ANGLES[1], Math.max(ANGLES[0], rounded(page.question.angle)));
     this.layers = page.question.layers;
+    [this.near, this.far] = page.question.range ?? [0, NO_END]; // mm along the axis between which something counts
     this.middle = Float64Array.from(page.low, (low, i) => (low + page.high[i]) / 2);
     this.long = Math.max(...page.low.map((low, i) => page.high[i] - low)); // mm
     this.brain = matrix();
@@ -91,7 +96,7 @@ export class Headset {
     /** @type {any} */
     this.source = null; // of it
     /** The last questions, round and round. @type {Moment[]} */
-    this.past = Array.from({ length: MOMENTS }, () => ({ time: -Infinity, numbers: new Float64Array(7) }));
+    this.past = Array.from({ length: MOMENTS }, () => ({ time: -Infinity, numbers: new Float64Array(NUMBERS) }));
     this.newest = 0;
     this.hasAimed = false;
     this.isOld = true; // the hand is not seen
@@ -101,7 +106,7 @@ export class Headset {
     this.at = point();
     this.ahead = point();
     this.still = { since: -Infinity, at: point(), ahead: point() };
-    this.asked = new Float64Array(7); // and
+    this.asked = new Float64Array(NUMBERS); // and
     this.askedFull = false;
     this.askedLayers = "";
     this.isBusy = false;
@@ -109,6 +114,15 @@ export class Headset {
     this.answer = null;
     /** Rows of poses, of each kind of question that was answered. @type {Map<string, string[]>} */
     this.record = new Map();
+    this.isTracked = false; // ranks have a history
+    this.tracks = 0;
+    this.begins = false; // the next step is a track's first
+    this.trigger = false; // was pressed since the last step
+    this.confirmed = "";
+    this.isTrial = false; // somebody aims at balls
+    /** The ball's place, mm. @type {number[] | null} */
+    this.ball = null;
+    this.ballPlace = matrix();
     /** What carries the brain, by hand, and from where. @type {any[]} */
     this.grips = [null, null];
     this.gripped = 0; // which of them, in bits, `from` is of
@@ -120,11 +134,13 @@ export class Headset {
     this.openingAt = 0;
     /** @type {any} */
     this.pinching = null; // the transient pointer that does not press a button
-    this.pressed = [false, false]; // A or X, B or Y
+    this.pressed = [false, true]; // A or X is down, B or Y is up
+    this.hasAdvanced = false; // the near plane, since B or Y went down
     this.hasTurned = false; // since the stick was last in its middle
     this.eye = point();
-    this.scene = { brain: this.brain, cone: /** @type {Float64Array | null} */ (null), isOld: true, wands: [0, 1, 2, 3].map(matrix), wandCount: 0, panel: matrix(), hasFloor: false };
-    this.cone = matrix();
+    this.scene = { brain: this.brain, cone: /** @type {Float64Array | null} */ (null), near: /** @type {Float64Array | null} */ (null), ball: /** @type {Float64Array | null} */ (null), isOld: true, wands: [0, 1, 2, 3].map(matrix), wandCount: 0, panel: matrix(), hasFloor: false };
+    this.cones = [matrix(), matrix()]; // to its end, and to the near plane
+    this.depths = new Float64Array(2); // mm, of these
     this.time = 0;
     this.began = 0;
     this.step = (/** @type {number} */ time, /** @type {any} */ frame) => {
@@ -207,14 +223,52 @@ export class Headset {
       if (found.time - before.time > GAP) break;
       found = before;
     }
+    if (this.isTrial) this.takeTrial(found);
+    this.trigger = this.isTracked;
+    if (this.isTrial || this.isTracked) return;
     this.held = Float64Array.from(found.numbers);
     this.page.hold(this.questionOf(this.held, true));
   }
 
+  // Trials, for conus calibrate
+
+  /** Records what was pointed at while a ball was to be aimed at, and shows the next one. @param {Moment} moment */
+  takeTrial({ time, numbers }) {
+    if (!this.ball) return;
+    this.write("trials", [...numbers.subarray(0, 7), ...this.ball], time);
+    this.showBall();
+  }
+
+  /** Puts a ball at a random place that is seen from here: what a ray from the eye hits first. */
+  async showBall() {
+    const { low, high, question } = this.page;
+    this.ball = null;
+    while (this.isTrial && !this.ball && this.session) {
+      const [from, to] = [apply(point(), this.back, this.eye), low.map((v, i) => v + Math.random() * (high[i] - v))];
+      const { contact } = await this.page.ask({ ...question, origin: this.tripleOf(from), toward: this.tripleOf(to), angle: 0.01, range: null, layers: "visible", resolution: 1, cut: null });
+      this.ball = contact && this.tripleOf(contact);
+    }
+    this.say();
+  }
+
+  /** @param {ArrayLike<number>} place @returns {[number, number, number]} */
+  tripleOf(place) { return [rounded(place[0]), rounded(place[1]), rounded(place[2])]; }
+
   /** @param {string} button */
   use(button) {
     if (button === "home") this.isPlaced = false;
-    else this.layers = this.layers === "all" ? "visible" : "all";
+    else if (button === "trials") {
+      this.isTrial = !this.isTrial;
+      this.held = null;
+      this.showBall();
+    } else if (button === "history") {
+      this.isTracked = this.begins = !this.isTracked;
+      this.tracks += Number(this.isTracked);
+      this.trigger = false;
+      this.confirmed = "";
+      this.held = null;
+      this.askedLayers = ""; // and nothing was asked
+    } else this.layers = this.layers === "all" ? "visible" : "all";
     if (this.held) this.page.hold(this.questionOf(this.held, true));
   }
 
@@ -281,7 +335,7 @@ export class Headset {
     this.move(times(a, b, this.brain));
   }
 
-  /** Sticks and buttons: of the pointing hand the angle, of the other one turn and scale. @param {number} seconds @param {any} frame */
+  /** Sticks and buttons: of the pointing hand the angle, or with B or Y the near plane; of the other one turn and scale. @param {number} seconds @param {any} frame */
   steer(seconds, frame) {
     const sources = this.session.inputSources;
     for (let i = 0; i < sources.length; i++) {
@@ -290,9 +344,12 @@ export class Headset {
       const x = Math.abs(pad.axes[2] ?? 0) > DEAD ? pad.axes[2] : 0;
       const y = Math.abs(pad.axes[3] ?? 0) > DEAD ? pad.axes[3] : 0;
       if (sources[i] === this.source) {
-        if (y) this.openBy(-1.5 * y * seconds);
+        const isAdvancing = Boolean(pad.buttons[5]?.pressed);
+        if (y && isAdvancing) this.advance(-ADVANCE * y * seconds);
+        else if (y) this.openBy(-1.5 * y * seconds);
         this.button(0, pad.buttons[4]?.pressed, "layers");
-        this.button(1, pad.buttons[5]?.pressed, "home");
+        this.button(1, !isAdvancing, this.hasAdvanced ? "" : "home");
+        this.hasAdvanced = isAdvancing && (this.hasAdvanced || y !== 0);
       } else if (x || y) {
         const isLarge = this.long * Math.hypot(this.brain[0], this.brain[1], this.brain[2]) > STEPS;
         const turn = !isLarge ? 1.2 * x * seconds : this.hasTurned || Math.abs(x) < 0.7 ? 0 : Math.sign(x) * TURN;
@@ -314,9 +371,16 @@ export class Headset {
     this.say();
   }
 
+  /** Moves the near plane: what lies before it is as if it were not there. @param {number} by m */
+  advance(by) {
+    if (this.held) return;
+    this.near = Math.max(0, Math.min(this.far - 1, this.near + by / Math.hypot(this.brain[0], this.brain[1], this.brain[2])));
+    this.say();
+  }
+
   /** @param {number} which @param {boolean | undefined} isPressed @param {string} name */
   button(which, isPressed, name) {
-    if (isPressed && !this.pressed[which]) {
+    if (isPressed && !this.pressed[which] && name) {
       this.use(name);
       this.say();
     }
@@ -373,8 +437,10 @@ export class Headset {
   point(m) {
     placeOf(this.at, m);
     for (let i = 0; i < 3; i++) this.ahead[i] = -m[8 + i];
-    this.filters[0].step(this.time / 1000, this.at);
-    this.filters[1].step(this.time / 1000, this.ahead);
+    if (!this.isTracked) { // a score with a history is smooth
+      this.filters[0].step(this.time / 1000, this.at);
+      this.filters[1].step(this.time / 1000, this.ahead);
+    }
     unit(this.ahead);
     const { still } = this;
     if (length(plus(p, this.at, still.at, -1)) > STILL[0] || length(plus(p, this.ahead, still.ahead, -1)) > STILL[1]) {
@@ -387,6 +453,7 @@ export class Headset {
     moment.time = this.time;
     aim(moment.numbers, this.back, this.at, this.ahead);
     moment.numbers[6] = rounded(this.angle);
+    moment.numbers[7] = rounded(this.near);
     this.hasAimed = true;
   }
 
@@ -399,19 +466,21 @@ export class Headset {
       if (pose) scene.wands[scene.wandCount++].set(pose.transform.matrix);
     }
     scene.isOld = this.isOld;
-    scene.cone = null;
+    scene.cone = scene.near = null;
+    scene.ball = this.ball && similarity(this.ballPlace, 0, 0, 0, 1, BALL, apply(p, this.brain, this.ball));
     if (numbers) {
       for (let i = 0; i < 3; i++) {
         origin[i] = numbers[i];
         direction[i] = numbers[3 + i] - numbers[i];
       }
       unit(direction);
-      const depth = this.answer?.depth || length(plus(p, this.middle, origin, -1)) + this.long; // through, where nothing ends it
+      this.depths[0] = this.answer?.depth || length(plus(p, this.middle, origin, -1)) + this.long; // through, where nothing ends it
       unit(cross(p, direction, Math.abs(direction[2]) < 0.9 ? Z : Y));
       cross(q, direction, p);
-      const radius = depth * Math.tan(numbers[6] * Math.PI / 360);
-      columns(a, plus(p, ZERO, p, radius), plus(q, ZERO, q, radius), plus(r, ZERO, direction, depth), origin);
-      scene.cone = times(this.cone, this.brain, a);
+      columns(a, p, q, direction, origin);
+      this.depths[1] = numbers[7];
+      scene.cone = this.coneTo(0, numbers);
+      if (numbers[7]) scene.near = this.coneTo(1, numbers);
     }
     // The panel: over the brain, turned to the eyes.
     let top = -Infinity;
@@ -424,23 +493,38 @@ export class Headset {
     unit(plus(q, this.eye, p, -1));
     unit(cross(r, Y, q));
     cross(direction, q, r);
-    columns(scene.panel, plus(r, ZERO, r, SIZE[0]), plus(direction, ZERO, direction, SIZE[1]), q, p);
+    columns(scene.panel, scale(r, SIZE[0]), scale(direction, SIZE[1]), q, p);
+  }
+
+  /** One of the cones, whose axes `a` has; a number that is handed on would be an object. @param {number} which @param {Float64Array} numbers */
+  coneTo(which, numbers) {
+    const out = times(this.cones[which], this.brain, a), depth = this.depths[which];
+    const radius = depth * Math.tan(numbers[6] * Math.PI / 360);
+    for (let i = 0; i < 12; i++) out[i] *= i < 8 ? radius : depth;
+    return out;
   }
 
   // Questions and answers
 
   /** @param {Float64Array} numbers @param {boolean} isFull @returns {Question} */
   questionOf(numbers, isFull) {
-    const [x, y, z, tx, ty, tz, angle] = numbers;
-    return { ...this.page.question, origin: [x, y, z], toward: [tx, ty, tz], angle, layers: isFull ? this.layers : "visible", resolution: isFull ? this.page.question.resolution : ROUGH, cut: null };
+    const [x, y, z, tx, ty, tz, angle, near] = numbers;
+    return { ...this.page.question, origin: [x, y, z], toward: [tx, ty, tz], angle, range: near || this.page.question.range ? [near, this.far] : null, layers: isFull ? this.layers : "visible", resolution: isFull ? this.page.question.resolution : ROUGH, cut: null };
   }
 
   /** Asks, if that is another question than the last: one is under way, and each frame comes with the newest. Rough ones
    * follow a hand; where it rests or holds, the question is whole. @param {Float64Array} numbers */
   ask(numbers) {
+    if (this.isTracked) {
+      if (this.isBusy || this.isOld) return;
+      this.isBusy = true;
+      this.answerTo(this.questionOf(numbers, false), this.time, this.trigger, [Number(this.seconds(this.time)), this.trigger, this.begins]);
+      this.trigger = this.begins = false;
+      return;
+    }
     const isFull = this.held !== null || this.time - this.still.since >= REST;
     let isSame = isFull === this.askedFull && this.layers === this.askedLayers;
-    for (let i = 0; i < 7; i++) isSame &&= numbers[i] === this.asked[i];
+    for (let i = 0; i < NUMBERS; i++) isSame &&= numbers[i] === this.asked[i];
     if (this.isBusy || isSame) return;
     this.isBusy = true;
     this.asked.set(numbers);
@@ -452,35 +536,43 @@ export class Headset {
   /** Colours the stage's new surfaces. */
   repaint() { this.stage.paint(this.answer?.hits ?? []); }
 
-  /** @param {Question} question @param {number} time @param {boolean} isHeld */
-  async answerTo(question, time, isHeld) {
+  /** @param {Question} question @param {number} time @param {boolean} isHeld @param {[number, boolean, boolean]} [step] of a track */
+  async answerTo(question, time, isHeld, step) {
+    const kind = `${question.layers}-${question.resolution}${step ? `-track-${this.tracks}` : ""}`;
     try {
-      const answer = await this.page.ask(question);
+      const answer = await this.page.ask(question, step);
+      this.confirmed = answer.confirmed || this.confirmed;
       const best = this.answer?.best;
       this.answer = answer;
       this.repaint();
       this.shown = question;
       this.say();
-      if (!answer.refused) this.write(question, time, isHeld);
+      const { origin, toward, angle, range, layers, resolution } = question;
+      if (!answer.refused) this.write(kind, [...origin, ...toward, angle, ...range ?? ["", ""], layers, resolution, Number(isHeld)], time);
       if (best !== undefined && best !== answer.best) this.source?.gamepad?.hapticActuators?.[0]?.pulse?.(0.3, 20);
     } finally {
       this.isBusy = false;
     }
   }
 
-  /** @param {Question} question @param {number} time @param {boolean} isHeld */
-  write({ origin, toward, angle, layers, resolution }, time, isHeld) {
-    const key = `${layers}-${resolution}`;
-    const rows = this.record.get(key) ?? [];
-    this.record.set(key, rows);
-    rows.push([rows.length + 1, ((time - this.began) / 1000).toFixed(3), ...origin, ...toward, angle, Number(isHeld)].join("\t"));
+  /** Since it began, as the record has it. @param {number} time ms */
+  seconds(time) { return ((time - this.began) / 1000).toFixed(3); }
+
+  /** Adds a row to the record. @param {string} kind @param {(string | number)[]} cells @param {number} time ms */
+  write(kind, cells, time) {
+    const rows = this.record.get(kind) ?? [];
+    this.record.set(kind, rows);
+    rows.push([rows.length + 1, this.seconds(time), ...cells].join("\t"));
   }
 
   /** Says on the panel what is known. */
   say() {
     const { said, refused } = this.answer ?? {};
     const all = this.shown?.layers === "all" ? "all layers" : "first hits";
-    const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
-    this.board.say({ sentence: refused || (said?.sentence ?? "Point at the brain"), rows: said?.rows ?? [], more: said?.more ?? 0, state, layers: this.layers });
+    const near = this.shown?.range?.[0];
+    const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${near ? `from ${Math.round(near)} mm, ` : ""}${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
+    const trial = `Trial ${(this.record.get("trials")?.length ?? 0) + 1}: aim at the ball, and press`;
+    const track = `${this.answer?.selected || "Nothing"} is selected${this.confirmed && `; ${this.confirmed} was confirmed`}`;
+    this.board.say({ sentence: refused || (this.isTrial ? trial : this.isTracked ? track : said?.sentence ?? "Point at the brain"), rows: said?.rows ?? [], more: said?.more ?? 0, state, layers: this.layers, isTrial: this.isTrial, isTracked: this.isTracked });
   }
 }

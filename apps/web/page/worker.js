@@ -6,7 +6,7 @@ const FOLDER = "/atlas/";
 /** Numbers of web.c's functions; those of text have "string". */
 const SIGNATURES = {
   open: ["string", ["string"]], add_context: ["string", ["string"]], objects: ["string", []], use_colours: [null, ["number"]],
-  ask: ["string", [...Array(6).fill("number"), "string"]], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
+  ask: ["string", [...Array(6).fill("number"), "string"]], step: [null, ["number", "number", "number"]], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
   cut: ["number", Array(11).fill("number")], cut_objects: ["number", []],
   view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
   mesh: ["string", ["number"]], mesh_part: ["number", ["number"]], mesh_end: [null, []],
@@ -40,7 +40,7 @@ function placeCuts({ origin, toward }, rows) {
 }
 
 /** What is asked beside the places, as conus reads it. */
-const settingsOf = ({ origin, toward, cut: place, ...settings }) => Object.entries(settings).filter(([, value]) => value !== false).map((pair) => pair.join("=")).join("&");
+const settingsOf = ({ origin, toward, cut: place, ...settings }) => Object.entries(settings).filter(([, value]) => value !== false && value !== null).map((pair) => pair.join("=")).join("&");
 
 const CALLS = {
   async start({ module: compiled }) {
@@ -77,8 +77,9 @@ const CALLS = {
     return { objects: JSON.parse(conus.objects()) };
   },
   /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
-  draw({ question: q, cuts, view, chosen, given }) {
+  draw({ question: q, step, cuts, view, chosen, given }) {
     spare = given;
+    if (step) conus.step(...step); // time in s, trigger, whether a track begins
     const { error: refused, depth, hits = [], ranks = [], colours = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, settingsOf(q)));
     const rows = refused ? "" : conus.rows(NDJSON);
     if (!refused) cut = placeCuts(q, rows);

@@ -60,12 +60,50 @@ static void test_rows_of_an_answer(void **state)
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
 }
 
+/* The anterior box ends at a distance of 44 mm, the other one begins at 56: it is the first one beyond 50 mm. */
+static void test_a_range_has_what_is_first_in_it(void **state)
+{
+    (void)state;
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=50,1000"), "\"hits\": [2]", 56);
+    assert_non_null(strstr(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=45,55"), "\"hits\": []"));
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "\"hits\": [1]", 38); /* and no range stays */
+    assert_non_null(strstr(web_ask(3, 50, 4, 3, 0, 4, "range=55,45"), "--range: "));
+}
+
+/* Steps look at the anterior box; after 0.4 s the hand is behind the other one, where a press confirms what was
+ * selected 0.15 s before, though nothing of it is hit. A question that is no step has no such columns, and changes no
+ * track; the next track knows nothing of this one. */
+static void test_a_press_confirms_what_was_selected_before(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        web_step(0.2 * i, false, i == 0);
+        asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "\"hits\": [1]", 38);
+    }
+    web_ask(3, 50, 4, 3, 0, 4, "angle=1");
+    assert_null(strstr(web_rows(CSV), "confirmed"));
+    web_step(0.45, true, false);
+    web_ask(3, -50, 4, 3, 0, 4, "angle=1&resolution=16");
+    const char *lines = web_rows(CSV);
+    assert_non_null(strstr(lines, ",time_s,selected,confirmed\r\n"));
+    const char *anterior = strstr(lines, "Slab anterior,SlA,1,");
+    assert_non_null(anterior);
+    assert_memory_equal(strchr(anterior, '\r') - strlen(",0.45,1,1"), ",0.45,1,1", strlen(",0.45,1,1"));
+    web_step(0, true, true);
+    web_ask(3, -50, 4, 3, 0, 4, "angle=1&resolution=16");
+    assert_null(strstr(web_rows(CSV), "Slab anterior"));
+    web_step(0, false, true); /* and each step has its own range */
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=50,1000"), "\"hits\": [2]", 56);
+    web_step(0.1, false, false);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "\"hits\": [", 38);
+}
+
 /* What is not said is as its row says: 64 rays along a side, 20 degrees, first hits. */
 static void test_the_form_is_what_is_asked(void **state)
 {
     (void)state;
     json_t *rows = json_loads(web_form(), 0, NULL);
-    assert_int_equal(json_array_size(rows), 3);
+    assert_int_equal(json_array_size(rows), 4);
     assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "name")), "angle");
     assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "default")), "20");
     json_decref(rows);
@@ -250,6 +288,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_objects_have_names_and_colours),
         cmocka_unit_test(test_rows_of_an_answer),
+        cmocka_unit_test(test_a_range_has_what_is_first_in_it),
+        cmocka_unit_test(test_a_press_confirms_what_was_selected_before),
         cmocka_unit_test(test_the_form_is_what_is_asked),
         cmocka_unit_test(test_errors_are_words),
         cmocka_unit_test(test_a_refused_question_takes_the_answer_away),
