@@ -259,7 +259,8 @@ static conus_status read_space(double *out, const struct columns *columns, struc
     }
     bool is_heard = isnan(own) && space_words_hear_cell(&said, cell, false);
     if (is_heard && !any_space && said.why) {
-        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\": %s", what, POSE_QUOTE(cell), said.why);
+        char why[SPACE_WHY];
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\": %s", what, POSE_QUOTE(cell), space_words_why(why, &said));
     }
     bool is_named = columns->said.space.brain;
     if (is_heard && !any_space && is_named && said.space.brain && said.space.brain != columns->said.space.brain) {
