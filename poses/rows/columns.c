@@ -133,12 +133,28 @@ struct text columns_word_of_axes(const struct columns_words *words)
     return words->tilt[0].size ? words->tilt[0] : words->tilt[1].size ? words->tilt[1] : unit;
 }
 
+/* Where a column of x, y or z says that its numbers grow: 'L' of "X (L)" and "Pos X [L+]"; 0 = it does not. @p open: the
+ * name without that. */
+static char direction_of(struct text *open, struct text cell)
+{
+    *open = cell;
+    const size_t closed = cell.size && memchr(")]", cell.data[cell.size - 1], 2) ? cell.size - 1 : 0;
+    const size_t size = closed && cell.data[closed - 1] == '+' ? closed - 1 : closed;
+    const struct text name = text_trim((struct text){cell.data, size > 2 ? size - 2 : 0});
+    bool is_one = name.size && memchr("([", cell.data[size - 2], 2) && memchr("RLAPSI", cell.data[size - 1], 6) &&
+                  memchr("xyzXYZ", name.data[name.size - 1], 6);
+    *open = is_one ? name : cell;
+    return is_one ? cell.data[size - 1] : '\0';
+}
+
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
 static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
 {
     double unit = 0;
-    struct text open = cell;
+    struct text open;
+    (void)direction_of(&open, cell);
+    cell = open;
     char last = cell.size ? cell.data[cell.size - 1] : 0;
     const char *bracket = last == ')'   ? text_last(cell, '(')
                           : last == ']' ? text_last(cell, '[')
@@ -436,6 +452,12 @@ static void take_family(struct head *head, const struct family *family, enum col
         FAULT_IF(text_starts(cell, "-") && !head->is_named, head,
                  "column \"%.*s\" says that its numbers have the other sign: turn them, and call it %.*s",
                  POSE_QUOTE(cell), (int)cell.size - 1, cell.data + 1);
+        const char grows = direction_of(&(struct text){0}, cell);
+        bool is_turned = grows && grows != "RAS"[k];
+        out->said.may_be_lps |= is_turned && grows == "LP"[k == 1] && k < 2;
+        FAULT_IF(is_turned && !(grows == "LP"[k == 1] && k < 2), head,
+                 "column \"%.*s\" says another axis or sign than %c: turn the columns to RAS", POSE_QUOTE(cell),
+                 "RAS"[k]);
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
@@ -590,7 +612,12 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "ex ey ez beside %s are axes of a sensor: bring positions and axes from its space to the atlas's, and "
                  "call the axis into the head dx dy dz (turn its signs where it points out)",
                  FAMILY_SHOWN(head, position));
-        FAULT_IF(is_other && !is_of_sensor, head,
+        bool are_angles = is_other && (strstr(family->stem, "rot") || strstr(family->stem, "euler"));
+        FAULT_IF(are_angles, head,
+                 "%s beside %s are angles, whose order programs do not agree on: export a matrix (m00...m33) or a "
+                 "quaternion (qw qx qy qz); without them the rows are points",
+                 FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position));
+        FAULT_IF(is_other && !is_of_sensor && !are_angles, head,
                  "%s beside %s: if they are a direction into the head, call them dx dy dz (turn the signs of one out "
                  "of it); a point to look at is tx ty tz, an axis entry_x entry_y entry_z and target_x target_y "
                  "target_z; without %s the rows are points",
@@ -1626,8 +1653,8 @@ static void refuse_bare(const struct head *head)
                              : "";
     if (numbers == 3) {
         job_bad(head->job,
-                "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
-                "front: \"%s\"",
+                "no header, and other words beside the x y z of a point than a name: \"%.*s\"; keep a name and the "
+                "three numbers alone, or put a line of names in front: \"%s\"",
                 TEXT_SHOW(shown, 60), last);
     } else if (numbers == 4) {
         job_bad(head->job,
@@ -1858,6 +1885,12 @@ static void plan_units(struct head *head)
         columns_hear_words(head);
     } else if (!head->options->atlas) {
         out->said.space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
+    }
+    bool is_of_brainsight = has_names(head, "loc x/loc y/loc z") &&
+                            (has_names(head, "target name") || has_names(head, "sample name"));
+    if (is_of_brainsight && out->has_header && !out->said.space.name[0] && !head->options->any_space) {
+        job_warn(head->job, "columns as Brainsight's, without its line \"# Coordinate system\" that says whose brain "
+                            "they are of: they are taken as being in the atlas's space");
     }
     out->scale = unit > 0 ? unit / mm : out->scale;
     out->has_unit = out->scale > 0;

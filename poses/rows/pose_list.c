@@ -234,8 +234,8 @@ static conus_status refuse_tkras(const char *at, const char *words, const conus_
     }
     return fail(
         CONUS_ERROR_DATA,
-        "positions are in %s, FreeSurfer's surface RAS, which is scanner RAS minus %s: p may be p or p + c_ras in "
-        "the atlas (%s); needed is the list in scanner RAS, or the atlas moved by minus c_ras",
+        "positions are in %s, FreeSurfer's surface RAS: in the scan a point p lies at p + %s; taken as it stands it "
+        "would be answered at p of the atlas (%s), as far off. Save the list as scanner RAS (Freeview)",
         at, by, words);
 }
 
@@ -305,7 +305,8 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
             "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
             "atlas's space%s",
             at, words,
-            brain != CONUS_BRAIN_OWN || is_tkras ? ""
+            is_tkras ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
+            : brain != CONUS_BRAIN_OWN ? ""
             : is_of_frame
                 ? ", by way of the scan"
                 : ", or take an atlas made of that person's scan (only that one is typed with ',template=none')");

@@ -872,11 +872,6 @@ bool space_words_hear_cell(struct space_words *words, struct text cell, bool str
     return words->space.brain || words->why || words->has_signs;
 }
 
-const char space_why_tkras[] =
-    "the file says FreeSurfer's tkRAS, mm from the middle of its volume; the atlas's mm are off by what mri_info --cras "
-    "prints, up to some cm. For an atlas of that person's scan save scanner RAS (Freeview), for a template bring them to "
-    "it; --any-space takes the numbers as the atlas's, right only where that is in tkRAS";
-
 const char *space_words_why(char out[SPACE_WHY], const struct space_words *words)
 {
     static const char letters[] = "RLAPSI";
