@@ -59,13 +59,6 @@ bool columns_is_sentence(const struct columns *columns, struct text text)
            has_words(text);
 }
 
-/* Whether a line above rows without a header is their title: words, and at most one number. */
-static bool is_title(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    return has_words(text) && table_split(&line, &columns->table, text) && table_numbers(&line) < 2;
-}
-
 uint64_t columns_sum(struct text text)
 {
     uint64_t sum = UINT64_C(14695981039346656037); /* FNV-1a */
@@ -553,7 +546,9 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
     if (!columns_has_digit(line) && !columns->place) {
         return LINE_WORDS;
     }
-    if (!columns->place && number < columns->table.first && is_title(columns, line)) {
+    struct table_line cells;
+    if (!columns->place && number < columns->table.first && has_words(line) &&
+        table_split(&cells, &columns->table, line) && table_numbers(&cells) < 2) { /* words, and one number at most */
         return LINE_TITLE;
     }
     if (row) {

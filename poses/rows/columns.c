@@ -270,12 +270,6 @@ static bool is_triple(const struct head *head, size_t first, const char *const n
     return is_one;
 }
 
-/* `name` with `letter` at `at`, of `size` bytes, in place of another. */
-static void put_letter(char out[COLUMN_NAME_SIZE], const char *name, size_t at, size_t size, const char *letter)
-{
-    snprintf(out, COLUMN_NAME_SIZE, "%.*s%s%s", (int)at, name, letter, name + at + size);
-}
-
 static enum family_kind kind_of(const char *stem, bool *is_peak)
 {
     enum family_kind kind = NEUTRAL;
@@ -356,7 +350,7 @@ static void find_families(struct head *head, const char *const letters[3])
                 size_t columns[3];
                 size_t count = 0;
                 for (int k = 0; k < 3; k++) {
-                    put_letter(found[k], name, from, size, letters[k]);
+                    snprintf(found[k], sizeof found[k], "%.*s%s%s", (int)from, name, letters[k], name + from + size);
                     columns[k] = find_name(head, found[k], 0);
                     count += columns[k] != COLUMN_NONE;
                 }
@@ -931,14 +925,6 @@ static void choose_families(struct head *head)
     if (!named) { /* the user's word is enough */
         refuse_turned(head, position);
     }
-}
-
-/* Of conus overlap, whose query is a region, the same in many rows. */
-static bool is_of_regions(const struct head *head)
-{
-    const size_t query = find_name(head, "query", 0);
-    return query != COLUMN_NONE && head->out->role_of[query] == ROLE_NAME && !head->words.name.size &&
-           has_names(head, "peak x");
 }
 
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
@@ -1856,7 +1842,9 @@ static void plan(struct head *head, bool *is_short)
             note_places(head);
         }
         note_angles(head);
-        if (is_of_regions(head)) {
+        const size_t query = find_name(head, "query", 0);
+        if (query != COLUMN_NONE && out->role_of[query] == ROLE_NAME && !head->words.name.size &&
+            has_names(head, "peak x")) { /* of conus overlap: a region, the same in many rows */
             drop_role(head, ROLE_NAME);
         }
         find_row_names(head);

@@ -205,13 +205,6 @@ static void describe_brain(char *out, size_t size, const conus_brain_view *brain
     }
 }
 
-/* The edition of MNI 152 that a name has. */
-static const char *edition_of(const char *name)
-{
-    struct text text = text_from(name);
-    return text_mentions(text, "2009") ? "NLin2009" : text_mentions(text, "Lin") ? "earlier" : "";
-}
-
 /* FreeSurfer's c_ras, mm: where the header places the middle of the grid, from which tkRAS counts. False: no volume. */
 static bool find_c_ras(double out[3], const conus_atlas *atlas)
 {
@@ -286,7 +279,9 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                           at);
     }
     const conus_brain_view own = {.brain = brain,
-                                  .edition = edition_of(space->name),
+                                  .edition = text_mentions(text_from(space->name), "2009")  ? "NLin2009"
+                                             : text_mentions(text_from(space->name), "Lin") ? "earlier"
+                                                                                            : "",
                                   .source = space->brain == POSE_BRAIN_MOUSE    ? "CCF"
                                             : space->brain == POSE_BRAIN_ANIMAL ? "voxels"
                                                                                 : "",
