@@ -296,11 +296,10 @@ static void warn_of_p_values(struct job *job, const conus_volume_info *info, con
     }
     bool is_likely = is_pathway ? is_even && most < ALIKE * least : is_even || info->threshold <= CUT;
     if (p->low > 0 && p->low < p->high && p->high <= 1 && (is_cut || (is_likely && 2 * p->taken > p->some))) {
-        job_warn(
-            job,
-            "%s: the %s is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
-            "values it has the large ones; such a map is asked as 1 - p, or as its z values",
-            info->path, is_pathway ? "pathway" : "region", 100 * (double)p->taken / (double)p->some);
+        job_warn(job,
+                 "%s: the %s is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
+                 "values it has the large ones; such a map is asked as 1 - p, or as its z values",
+                 info->path, is_pathway ? "pathway" : "region", 100 * (double)p->taken / (double)p->some);
     }
 }
 

@@ -159,8 +159,8 @@ void columns_hear_words(struct head *head)
     char why[SPACE_WHY];
     if (said->why && !is_own_code && !(said->why == space_why_unit && out->is_own_unit)) {
         bool is_unit = said->why == space_why_unit;
-        job_bad(job, "positions are said to be \"%s\": %s; %s%s%s", said->heard,
-                space_words_why(why, said), is_unit ? "only if they are mm, type " : "", is_unit ? out->file : space_any(head->options->space),
+        job_bad(job, "positions are said to be \"%s\": %s; %s%s%s", said->heard, space_words_why(why, said),
+                is_unit ? "only if they are mm, type " : "", is_unit ? out->file : space_any(head->options->space),
                 is_unit ? ",unit=mm" : "");
     }
     if (said->says_mni && (said->space.brain == POSE_BRAIN_ANIMAL || said->space.brain == POSE_BRAIN_MOUSE)) {
@@ -215,8 +215,7 @@ void columns_check_name(struct job *job, const struct columns *columns, const ch
     if (of_name.may_be_lps || is_refused) {
         char why[SPACE_WHY];
         job_bad(job, "only the file's name says \"%s\": %s; %s", of_name.may_be_lps ? "LPS" : of_name.heard,
-                of_name.may_be_lps ? "--space lps takes them as x left, y back"
-                                   : space_words_why(why, &of_name),
+                of_name.may_be_lps ? "--space lps takes them as x left, y back" : space_words_why(why, &of_name),
                 space_any(options->space));
     }
 }
@@ -329,7 +328,7 @@ static bool judge_sides(const struct census *c, const struct head *head)
 static void judge(const struct census *c, const struct head *head, double longest, const char *first_fault)
 {
     enum { LEAST = 3 };
-    static const double HEAD = 170;    /* mm */
+    static const double HEAD = 170;   /* mm */
     static const double MACAQUE = 50; /* A brain as large has people's positions in centimetres in its middle. */
     struct job *job = head->job;
     conus_space space = head->options->space;

@@ -133,8 +133,8 @@ struct text columns_word_of_axes(const struct columns_words *words)
     return words->tilt[0].size ? words->tilt[0] : words->tilt[1].size ? words->tilt[1] : unit;
 }
 
-/* Where a column of x, y or z says that its numbers grow: 'L' of "X (L)" and "Pos X [L+]"; 0 = it does not. @p open: the
- * name without that. */
+/* Where a column of x, y or z says that its numbers grow: 'L' of "X (L)" and "Pos X [L+]"; 0 = it does not. @p open:
+ * the name without that. */
 static char direction_of(struct text *open, struct text cell)
 {
     *open = cell;
@@ -1874,8 +1874,8 @@ static void plan_units(struct head *head)
     } else if (!head->options->atlas) {
         out->said.space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
     }
-    bool is_of_brainsight = has_names(head, "loc x/loc y/loc z") &&
-                            (has_names(head, "target name") || has_names(head, "sample name"));
+    bool is_of_brainsight =
+        has_names(head, "loc x/loc y/loc z") && (has_names(head, "target name") || has_names(head, "sample name"));
     if (is_of_brainsight && out->has_header && !out->said.space.name[0] && !head->options->any_space) {
         job_warn(head->job, "columns as Brainsight's, without its line \"# Coordinate system\" that says whose brain "
                             "they are of: they are taken as being in the atlas's space");

@@ -300,7 +300,7 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
             "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
             "atlas's space%s",
             at, words,
-            is_tkras ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
+            is_tkras                   ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
             : brain != CONUS_BRAIN_OWN ? ""
             : is_of_frame
                 ? ", by way of the scan"

@@ -355,7 +355,6 @@ enum { SPACE_WHY = 256 };
 /** words->why; of a code of axes what its two readings make of a point, which may be written to @p out. */
 const char *space_words_why(char out[SPACE_WHY], const struct space_words *words);
 
-
 /** Whether positions of @p space are moved to MNI 152: those of MNI 305, unless the caller or the file's name says
  * otherwise. A note says so. */
 bool space_moves(const struct pose_space *space, const conus_pose_options *options);

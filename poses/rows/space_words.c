@@ -889,14 +889,15 @@ const char *space_words_why(char out[SPACE_WHY], const struct space_words *words
     if (words->why != why_code || !is_whole) {
         return words->why == why_code ? "a code of two axes, where three are needed" : words->why;
     }
-    snprintf(out, SPACE_WHY,
-             "AFNI says where axes begin, so that a point is (%s, %s, %s) in RAS%s; others say where they end, so that it "
-             "is (%s, %s, %s): turn the columns, and write RAS",
-             begins[0], begins[1], begins[2],
-             is_lps   ? ", which --space lps takes"
-             : is_ras ? ", which --any-space takes"
-                      : "",
-             ends[0], ends[1], ends[2]);
+    snprintf(
+        out, SPACE_WHY,
+        "AFNI says where axes begin, so that a point is (%s, %s, %s) in RAS%s; others say where they end, so that it "
+        "is (%s, %s, %s): turn the columns, and write RAS",
+        begins[0], begins[1], begins[2],
+        is_lps   ? ", which --space lps takes"
+        : is_ras ? ", which --any-space takes"
+                 : "",
+        ends[0], ends[1], ends[2]);
     return out;
 }
 

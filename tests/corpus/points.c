@@ -216,8 +216,8 @@ static bool same_answer(const struct answer *a, const struct answer *b)
     for (size_t i = 0; same && i < count; i++) {
         const conus_pose_row *r = conus_pose_list_row(a->list, i), *s = conus_pose_list_row(b->list, i);
         same = memcmp(&r->pose, &s->pose, sizeof r->pose) == 0 && same_text(r->id, s->id) &&
-               same_text(r->error, s->error) && r->radius == s->radius && r->angle == s->angle &&
-               memcmp(r->range, s->range, sizeof r->range) == 0;
+               same_text(r->error, s->error) && memcmp(&r->radius, &s->radius, sizeof r->radius) == 0 &&
+               r->angle == s->angle && memcmp(r->range, s->range, sizeof r->range) == 0;
     }
     for (size_t i = 0; same && (conus_pose_list_note(a->list, i) || conus_pose_list_note(b->list, i)); i++) {
         same = same_text(conus_pose_list_note(a->list, i), conus_pose_list_note(b->list, i));
@@ -424,7 +424,8 @@ int main(int argc, char **argv)
     json_decref(all);
     conus_atlas_destroy(total.atlas);
     conus_atlas_destroy(total.named);
-    printf("%zu files, %zu of them refused, %zu pending; %zu prefixes, %zu flips of a bit (%zu of digits unseen), %zu failing allocations, "
+    printf("%zu files, %zu of them refused, %zu pending; %zu prefixes, %zu flips of a bit (%zu of digits unseen), %zu "
+           "failing allocations, "
            "%.1f s; %zu faults\n",
            total.entries, total.refused, total.pending, total.prefixes, total.flips, total.unseen, total.failures,
            (double)clock() / CLOCKS_PER_SEC, total.faults);
