@@ -69,11 +69,6 @@ static conus_status check(const conus_candidates *asked)
     return isfinite(asked->beyond) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "beyond: a finite number is needed");
 }
 
-static double ring_size(double tilt, double step)
-{
-    return fmax(1, ceil(2 * MATH3_PI * sin(tilt) / step - ROUNDING));
-}
-
 static conus_status count_rings(struct pose_candidates *out)
 {
     double most = out->asked.tilt_most;
@@ -94,7 +89,8 @@ static conus_status count_rings(struct pose_candidates *out)
     out->rings[1] = 1;
     for (size_t i = 1; i < out->ring_count; i++) {
         const double ring = radians_from_degrees(step);
-        out->rings[i + 1] = out->rings[i] + (uint64_t)ring_size((double)i * ring, ring);
+        const double size = ceil(2 * MATH3_PI * sin((double)i * ring) / ring - ROUNDING);
+        out->rings[i + 1] = out->rings[i] + (uint64_t)fmax(1, size);
     }
     return CONUS_OK;
 }

@@ -58,9 +58,6 @@ static int answer_positions(struct request *request, const struct arguments *arg
     options.rows = "positions";
     int code = settings_scalp(&request->places.scalp, request->scalp, aim, NULL);
     stance.scalp = request->places.scalp;
-    say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet || !stance.scalp,
-             "positions are in the space of the scalp: where the atlas is of another head, query --scalp and batch "
-             "--scalp ask there, and --atlas-transform brings the atlas");
     code = code ? code : print_status(conus_positions(&found, count ? names : NULL, count, &stance));
     code = code ? code : print_status(conus_report_create(&report, NULL, &options));
     code = code ? code : write_positions(request, report, found);

@@ -135,10 +135,11 @@ static bool read_structure(conus_constraint *out, char *text)
                                                                            is_avoid ? "margin" : "length", "is in mm"));
 }
 
-static bool read_length(conus_constraint *out, char *text)
+/* One number or two, which the parser has checked. */
+static bool read_limits(conus_constraint *out, char *text)
 {
     double range[2] = {0};
-    numbers_parse(range, 2, text, ','); /* which the parser has checked */
+    numbers_parse(range, 2, text, ',');
     out->limit = range[0];
     out->most = range[1];
     return true;
@@ -174,14 +175,6 @@ static bool read_apart(conus_constraint *out, char *text)
     return (out->limit >= 0 && out->limit <= 100) || refuse("--apart: %g mm, allowed are 0 to 100", out->limit);
 }
 
-static bool read_entry_angle(conus_constraint *out, char *text)
-{
-    double degrees = 0;
-    bool is_number = number_parse(text, &degrees); /* as the parser has checked */
-    out->limit = degrees;
-    return is_number;
-}
-
 /* A0:A1,M0:M1, two constraints. */
 static bool read_window(conus_constraint *out, char *text)
 {
@@ -205,7 +198,7 @@ static bool read_window(conus_constraint *out, char *text)
 
 /* In the order of the options, which is that of conus_constraint_kind. */
 static bool (*const readers[])(conus_constraint *out, char *text) = {
-    read_structure, read_structure, read_length, read_lean, read_apart, read_structure, read_entry_angle, read_window,
+    read_structure, read_structure, read_limits, read_lean, read_apart, read_structure, read_limits, read_window,
 };
 enum { READERS = sizeof readers / sizeof readers[0] };
 

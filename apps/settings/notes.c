@@ -183,27 +183,15 @@ static void add_line(struct lines *lines, const char *file, const conus_pose_fin
     }
 }
 
-static void add_inside(struct lines *out, const struct aimed *aimed, const char *file)
-{
-    const conus_pose_finding *inside = &aimed->found.inside;
-    char where[LINE_SIZE];
-    snprintf(where, sizeof where, "%s inside %s", file ? "," : "",
-             conus_atlas_object(aimed->atlas, inside->object)->name);
-    add_line(out, file, inside, aimed->found.poses, false, "devices lie inside an area", "the device lies", where);
-}
-
 static void add_away(struct lines *out, const struct aimed *aimed, const char *file, const char *remedy)
 {
+    static const char *const words[][2] = {
+        {"cylinders point away from the atlas", "the cylinder points away from the atlas"},
+        {"cones point away from the atlas", "the cone points away from the atlas"},
+        {"probes pass nothing of the atlas", "the probe passes nothing of the atlas"}};
     const conus_pose_finding *away = &aimed->found.away;
-    bool is_cone = away->angle > 0;
-    add_line(out, file, away, aimed->found.poses, true,
-             aimed->is_of_probes ? "probes pass nothing of the atlas"
-             : is_cone           ? "cones point away from the atlas"
-                                 : "cylinders point away from the atlas",
-             aimed->is_of_probes ? "the probe passes nothing of the atlas"
-             : is_cone           ? "the cone points away from the atlas"
-                                 : "the cylinder points away from the atlas",
-             remedy);
+    const size_t i = aimed->is_of_probes ? 2 : away->angle > 0;
+    add_line(out, file, away, aimed->found.poses, true, words[i][0], words[i][1], remedy);
 }
 
 /* Some points may well lie outside, as contacts beside a brain do: only more than a fifth is odd. */
@@ -271,8 +259,12 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
             return; /* in metres, all else is otherwise, too */
         }
     }
-    if (aimed->found.inside.count) {
-        add_inside(out, aimed, file);
+    const conus_pose_finding *inside = &aimed->found.inside;
+    if (inside->count) {
+        char where[LINE_SIZE];
+        snprintf(where, sizeof where, "%s inside %s", file ? "," : "",
+                 conus_atlas_object(aimed->atlas, inside->object)->name);
+        add_line(out, file, inside, aimed->found.poses, false, "devices lie inside an area", "the device lies", where);
     }
     if (aimed->found.away.count) {
         add_away(out, aimed, file, words);

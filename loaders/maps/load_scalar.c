@@ -250,6 +250,59 @@ static void choose_unit(struct job *job, conus_volume_info *info, const char *wa
     }
 }
 
+/* The values of a map that are not 0, as p values have them. */
+struct p_values {
+    size_t some, taken, tenths[10]; /* taken: by the threshold */
+    float low, high, small;         /* small: the largest below a half */
+};
+
+static void p_values_add(struct p_values *p, float value, double threshold)
+{
+    if (value != 0 && !isnan(value)) {
+        p->low = p->some ? fminf(p->low, value) : value;
+        p->high = p->some ? fmaxf(p->high, value) : value;
+        p->small = value < 0.5F ? fmaxf(p->small, value) : p->small;
+        p->some++;
+        p->taken += value >= tolerance_least(threshold);
+        p->tenths[value > 0 && value < 1 ? (size_t)(10 * value) : 9]++;
+    }
+}
+
+/* Warns where a region, or a pathway, looks like the large values of a map of p values, whose small ones are meant: all
+ * values are from 0 to 1 and no mask's. Either they end below a level at which p is cut, and begin again above 1 minus
+ * it at most; or the threshold takes most. One at which p is seldom cut might be of a map of probabilities; p is even
+ * where there is no effect, so each tenth above the first has some. Of pathways, which are probabilities, the upper
+ * tenths are also alike, as in each of 48 simulated smooth fields of a two-sided p, but in none of 68 published maps;
+ * of one side with effects of the other sign they are not. */
+static void warn_of_p_values(struct job *job, const conus_volume_info *info, const struct p_values *p, bool is_pathway)
+{
+    static const double LEVELS[] = {0.05, 0.01, 0.005, 0.001};
+    static const double CUT = 0.1;   /* p is seldom cut above */
+    static const double LEAST = 0.5; /* of what even values have */
+    static const double ALIKE = 1.6; /* most, of least */
+    bool is_cut = false;
+    for (size_t i = 0; i < sizeof LEVELS / sizeof *LEVELS; i++) {
+        bool is_near = p->small > 0.9 * LEVELS[i] && p->small < 1.001 * LEVELS[i];
+        is_cut = is_cut || (is_near && p->tenths[0] + p->tenths[9] == p->some);
+    }
+    bool is_even = true;
+    double least = INFINITY;
+    double most = 0;
+    for (size_t i = 1; i < 10; i++) {
+        const double count = (double)p->tenths[i];
+        is_even = is_even && 10 * count >= LEAST * (double)p->some;
+        least = i > 3 ? fmin(least, count) : least;
+        most = i > 3 ? fmax(most, count) : most;
+    }
+    bool is_likely = is_pathway ? is_even && most < ALIKE * least : is_even || info->threshold <= CUT;
+    if (p->low > 0 && p->low < p->high && p->high <= 1 && (is_cut || (is_likely && 2 * p->taken > p->some))) {
+        job_warn(job,
+                 "%s: the %s is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
+                 "values it has the large ones; such a map is asked as 1 - p, or as its z values",
+                 info->path, is_pathway ? "pathway" : "region", 100 * (double)p->taken / (double)p->some);
+    }
+}
+
 static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *file, const struct scene_item *item)
 {
     struct value_map map = {0};
@@ -257,6 +310,13 @@ static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *fil
     if (job_ok(job)) {
         const char *name = choose_name(job, item->label.name, file);
         choose_threshold(job, &file->info, &map, item->threshold, name);
+        struct p_values p = {0};
+        const bool may_be = file->info.minimum >= 0 && file->info.maximum <= 1 &&
+                            strcmp(file->info.unit, "probability") != 0; /* a word of the user, or the name */
+        for (size_t i = may_be ? value_map_next(&map, 0) : map.count; i < map.count; i = value_map_next(&map, i + 1)) {
+            p_values_add(&p, value_map_at(&map, i), file->info.threshold);
+        }
+        warn_of_p_values(job, &file->info, &p, true);
         atlas_take(job, atlas);
         (void)JOB_CALL(job, atlas_add_pathway(atlas, &file->info, &map, name));
     }
@@ -337,50 +397,17 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
     }
 }
 
-/* Warns where a region looks like the large values of a map of p values, whose small ones are meant: all values are
- * from 0 to 1, and the threshold takes most of those that are not 0, which are no mask's. One at which p is seldom cut
- * might be of a map of probabilities; p is even where there is no effect, so each tenth above the first has some. */
-static void warn_of_p_values(struct job *job, const conus_volume_info *info, const float *values)
-{
-    static const double CUT = 0.1;   /* p is seldom cut above */
-    static const double LEAST = 0.5; /* of what even values have */
-    enum { TENTHS = 10 };
-    size_t tenths[TENTHS] = {0};
-    const size_t count = info->dim[0] * info->dim[1] * info->dim[2];
-    size_t some = 0;
-    size_t taken = 0;
-    float low = INFINITY;
-    float high = 0;
-    for (size_t i = 0; i < count && info->threshold > 0; i++) {
-        if (values[i] != 0 && !isnan(values[i])) {
-            low = fminf(low, values[i]);
-            high = fmaxf(high, values[i]);
-            some++;
-            taken += values[i] >= tolerance_least(info->threshold);
-            tenths[values[i] > 0 && values[i] < 1 ? (size_t)(TENTHS * values[i]) : TENTHS - 1]++;
-        }
-    }
-    bool is_even = true;
-    for (size_t i = 1; i < TENTHS; i++) {
-        is_even = is_even && TENTHS * (double)tenths[i] >= LEAST * (double)some;
-    }
-    if (low > 0 && low < high && high <= 1 && 2 * taken > some && (info->threshold <= CUT || is_even)) {
-        job_warn(
-            job,
-            "%s: the region is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
-            "values it has the large ones; such a map is asked as 1 - p, or as its z values",
-            info->path, 100 * (double)taken / (double)some);
-    }
-}
-
 void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, double threshold)
 {
     file->info.role = CONUS_ROLE_SCALAR;
     float *values = volume_values_or_nan(job, file);
     file->info.threshold = threshold;
-    if (values) {
-        warn_of_p_values(job, &file->info, values);
+    const size_t count = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
+    struct p_values p = {0};
+    for (size_t i = 0; values && threshold > 0 && i < count; i++) {
+        p_values_add(&p, values[i], threshold);
     }
+    warn_of_p_values(job, &file->info, &p, false);
     if (!JOB_CALL(job, roi_create(out, &file->info, values))) {
         memory_free(values);
     }

@@ -220,7 +220,7 @@ static void parse_numbers(struct reading *reading, struct text text)
         if (size && depth) {
             add_number(reading, word);
         } else if (size) {
-            job_bad(reading->job, "\"%.*s\" behind the brackets", POSE_QUOTE(word));
+            job_bad(reading->job, "\"%.*s\" behind the brackets: write one list, [x y z; x y z]", POSE_QUOTE(word));
         } else if (c == ']' && !depth) {
             job_bad(reading->job, "a bracket ] that was not opened");
         } else if (c == ']' || (depth == 1 && (c == ';' || c == '\n'))) {
@@ -544,8 +544,6 @@ static void set_freeview_space(const struct pose_reading *to, const json_t *root
                                  : pose_space_named(text_from("FreeSurfer tkRAS"), POSE_BRAIN_OTHER);
     if (!is_scanner && !text_equal(system, "tkreg")) {
         job_bad(to->job, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
-    } else if (!is_scanner && !to->options->any_space) {
-        job_bad(to->job, "%s", space_why_tkras);
     }
 }
 

@@ -83,6 +83,9 @@ static const struct layout {
     {".elp", "", .refused = SAVE_NO_ANGLES},
     {".locs", "", .refused = SAVE_NO_ANGLES},
     {".loc", "", .refused = SAVE_NO_ANGLES},
+    {"", "EF max. loc.",
+     .refused = "an export of Nexstim has the axes of its own image, which are no atlas's: bring the places to RAS mm "
+                "of the scan, or to MNI, and save them as name,x,y,z"},
     {".fif", "", .refused = "a file of MNE's (.fif): " SAVE_IN_MNI},
     {".snirf", "", .refused = "a recording (SNIRF) has positions in a head's own space: " SAVE_IN_MNI},
     /* Others */
@@ -285,9 +288,6 @@ static void parse_layout(const struct pose_reading *to, const struct layout *lay
     if ((layout->flags & NEEDS_LPS) && options->space != CONUS_SPACE_LPS) {
         job_bad(to->job, "x,y,z,t,label is how ANTs has points, which are LPS: --space lps reads them so; "
                          "if these are RAS, take the column t out");
-    }
-    if (layout->brain == POSE_BRAIN_OTHER && !options->any_space) {
-        job_bad(to->job, "%s", space_why_tkras);
     }
     if (layout->space) {
         to->list->space = pose_space_named(text_from(layout->space), layout->brain);

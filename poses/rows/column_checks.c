@@ -153,12 +153,13 @@ void columns_hear_words(struct head *head)
     }
     hear_rows(head);
     static const char *const own[] = {
-        [CONUS_SPACE_LPS] = "radiological", [CONUS_SPACE_CCF] = "asr", [CONUS_SPACE_BREGMA] = "bregma"};
+        [CONUS_SPACE_LPS] = "radiological/rai", [CONUS_SPACE_CCF] = "asr", [CONUS_SPACE_BREGMA] = "bregma"};
     const char *code = own[head->options->space];
-    bool is_own_code = code && text_equal_ignoring_case(text_from(said->heard), code);
+    bool is_own_code = code && text_is_one_of(text_from(said->heard), code, false);
+    char why[SPACE_WHY];
     if (said->why && !is_own_code && !(said->why == space_why_unit && out->is_own_unit)) {
         bool is_unit = said->why == space_why_unit;
-        job_bad(job, "positions are said to be \"%s\": %s; %s%s%s", said->heard, said->why,
+        job_bad(job, "positions are said to be \"%s\": %s; %s%s%s", said->heard, space_words_why(why, said),
                 is_unit ? "only if they are mm, type " : "", is_unit ? out->file : space_any(head->options->space),
                 is_unit ? ",unit=mm" : "");
     }
@@ -212,8 +213,9 @@ void columns_check_name(struct job *job, const struct columns *columns, const ch
     bool is_refused =
         of_name.why && !is_said && !columns->has_space && !is_of_mm && !is_of_contacts(head, of_name.heard);
     if (of_name.may_be_lps || is_refused) {
+        char why[SPACE_WHY];
         job_bad(job, "only the file's name says \"%s\": %s; %s", of_name.may_be_lps ? "LPS" : of_name.heard,
-                of_name.may_be_lps ? "--space lps takes them as x left, y back" : of_name.why,
+                of_name.may_be_lps ? "--space lps takes them as x left, y back" : space_words_why(why, &of_name),
                 space_any(options->space));
     }
 }
@@ -326,6 +328,8 @@ static bool judge_sides(const struct census *c, const struct head *head)
 static void judge(const struct census *c, const struct head *head, double longest, const char *first_fault)
 {
     enum { LEAST = 3 };
+    static const double HEAD = 170;   /* mm */
+    static const double MACAQUE = 50; /* A brain as large has people's positions in centimetres in its middle. */
     struct job *job = head->job;
     conus_space space = head->options->space;
     bool of_people = space < CONUS_SPACE_CCF;
@@ -379,9 +383,14 @@ static void judge(const struct census *c, const struct head *head, double longes
     if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
         columns_refuse_short(job, c->short_axes, c->axes, longest);
     }
-    if (is_unsaid && space != CONUS_SPACE_CCF && is_known && c->farthest < longest / 14) {
-        job_warn(job, "all positions lie within %.3g mm of %s: are they in centimetres? Then type %s,unit=cm",
-                 longest / 14, of_people ? "the origin" : "bregma", head->out->file);
+    bool is_macaque = of_people && longest > MACAQUE && head->options->atlas &&
+                      conus_atlas_brain(head->options->atlas).brain == CONUS_BRAIN_TEMPLATE;
+    const double near = (is_macaque ? fmax(longest, HEAD) : longest) / 14;
+    if (is_unsaid && space != CONUS_SPACE_CCF && is_known && c->farthest < near) {
+        job_warn(job,
+                 "all positions lie within %.3g mm of %s: are they in centimetres? Then type %s,unit=cm; else "
+                 "%s,unit=mm",
+                 near, of_people ? "the origin" : "bregma", head->out->file, head->out->file);
     } else if (is_list && of_people && is_known && !c->negatives && !are_right) {
         job_warn(job, "no position has a negative number: are they voxels, or positions in a frame?");
     }

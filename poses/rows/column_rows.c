@@ -59,13 +59,6 @@ bool columns_is_sentence(const struct columns *columns, struct text text)
            has_words(text);
 }
 
-/* Whether a line above rows without a header is their title: words, and at most one number. */
-static bool is_title(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    return has_words(text) && table_split(&line, &columns->table, text) && table_numbers(&line) < 2;
-}
-
 uint64_t columns_sum(struct text text)
 {
     uint64_t sum = UINT64_C(14695981039346656037); /* FNV-1a */
@@ -259,7 +252,8 @@ static conus_status read_space(double *out, const struct columns *columns, struc
     }
     bool is_heard = isnan(own) && space_words_hear_cell(&said, cell, false);
     if (is_heard && !any_space && said.why) {
-        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\": %s", what, POSE_QUOTE(cell), said.why);
+        char why[SPACE_WHY];
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\": %s", what, POSE_QUOTE(cell), space_words_why(why, &said));
     }
     bool is_named = columns->said.space.brain;
     if (is_heard && !any_space && is_named && said.space.brain && said.space.brain != columns->said.space.brain) {
@@ -552,7 +546,9 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
     if (!columns_has_digit(line) && !columns->place) {
         return LINE_WORDS;
     }
-    if (!columns->place && number < columns->table.first && is_title(columns, line)) {
+    struct table_line cells;
+    if (!columns->place && number < columns->table.first && has_words(line) &&
+        table_split(&cells, &columns->table, line) && table_numbers(&cells) < 2) { /* words, and one number at most */
         return LINE_TITLE;
     }
     if (row) {

@@ -133,12 +133,28 @@ struct text columns_word_of_axes(const struct columns_words *words)
     return words->tilt[0].size ? words->tilt[0] : words->tilt[1].size ? words->tilt[1] : unit;
 }
 
+/* Where a column of x, y or z says that its numbers grow: 'L' of "X (L)" and "Pos X [L+]"; 0 = it does not. @p open:
+ * the name without that. */
+static char direction_of(struct text *open, struct text cell)
+{
+    *open = cell;
+    const size_t closed = cell.size && memchr(")]", cell.data[cell.size - 1], 2) ? cell.size - 1 : 0;
+    const size_t size = closed && cell.data[closed - 1] == '+' ? closed - 1 : closed;
+    const struct text name = text_trim((struct text){cell.data, size > 2 ? size - 2 : 0});
+    bool is_one = name.size && memchr("([", cell.data[size - 2], 2) && memchr("RLAPSI", cell.data[size - 1], 6) &&
+                  memchr("xyzXYZ", name.data[name.size - 1], 6);
+    *open = is_one ? name : cell;
+    return is_one ? cell.data[size - 1] : '\0';
+}
+
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
 static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
 {
     double unit = 0;
-    struct text open = cell;
+    struct text open;
+    (void)direction_of(&open, cell);
+    cell = open;
     char last = cell.size ? cell.data[cell.size - 1] : 0;
     const char *bracket = last == ')'   ? text_last(cell, '(')
                           : last == ']' ? text_last(cell, '[')
@@ -254,12 +270,6 @@ static bool is_triple(const struct head *head, size_t first, const char *const n
     return is_one;
 }
 
-/* `name` with `letter` at `at`, of `size` bytes, in place of another. */
-static void put_letter(char out[COLUMN_NAME_SIZE], const char *name, size_t at, size_t size, const char *letter)
-{
-    snprintf(out, COLUMN_NAME_SIZE, "%.*s%s%s", (int)at, name, letter, name + at + size);
-}
-
 static enum family_kind kind_of(const char *stem, bool *is_peak)
 {
     enum family_kind kind = NEUTRAL;
@@ -340,7 +350,7 @@ static void find_families(struct head *head, const char *const letters[3])
                 size_t columns[3];
                 size_t count = 0;
                 for (int k = 0; k < 3; k++) {
-                    put_letter(found[k], name, from, size, letters[k]);
+                    snprintf(found[k], sizeof found[k], "%.*s%s%s", (int)from, name, letters[k], name + from + size);
                     columns[k] = find_name(head, found[k], 0);
                     count += columns[k] != COLUMN_NONE;
                 }
@@ -436,6 +446,12 @@ static void take_family(struct head *head, const struct family *family, enum col
         FAULT_IF(text_starts(cell, "-") && !head->is_named, head,
                  "column \"%.*s\" says that its numbers have the other sign: turn them, and call it %.*s",
                  POSE_QUOTE(cell), (int)cell.size - 1, cell.data + 1);
+        const char grows = direction_of(&(struct text){0}, cell);
+        bool is_turned = grows && grows != "RAS"[k];
+        out->said.may_be_lps |= is_turned && grows == "LP"[k == 1] && k < 2;
+        FAULT_IF(is_turned && !(grows == "LP"[k == 1] && k < 2), head,
+                 "column \"%.*s\" says another axis or sign than %c: turn the columns to RAS", POSE_QUOTE(cell),
+                 "RAS"[k]);
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
@@ -590,7 +606,12 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "ex ey ez beside %s are axes of a sensor: bring positions and axes from its space to the atlas's, and "
                  "call the axis into the head dx dy dz (turn its signs where it points out)",
                  FAMILY_SHOWN(head, position));
-        FAULT_IF(is_other && !is_of_sensor, head,
+        bool are_angles = is_other && (strstr(family->stem, "rot") || strstr(family->stem, "euler"));
+        FAULT_IF(are_angles, head,
+                 "%s beside %s are angles, whose order programs do not agree on: export a matrix (m00...m33) or a "
+                 "quaternion (qw qx qy qz); without them the rows are points",
+                 FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position));
+        FAULT_IF(is_other && !is_of_sensor && !are_angles, head,
                  "%s beside %s: if they are a direction into the head, call them dx dy dz (turn the signs of one out "
                  "of it); a point to look at is tx ty tz, an axis entry_x entry_y entry_z and target_x target_y "
                  "target_z; without %s the rows are points",
@@ -904,14 +925,6 @@ static void choose_families(struct head *head)
     if (!named) { /* the user's word is enough */
         refuse_turned(head, position);
     }
-}
-
-/* Of conus overlap, whose query is a region, the same in many rows. */
-static bool is_of_regions(const struct head *head)
-{
-    const size_t query = find_name(head, "query", 0);
-    return query != COLUMN_NONE && head->out->role_of[query] == ROLE_NAME && !head->words.name.size &&
-           has_names(head, "peak x");
 }
 
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
@@ -1626,8 +1639,8 @@ static void refuse_bare(const struct head *head)
                              : "";
     if (numbers == 3) {
         job_bad(head->job,
-                "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
-                "front: \"%s\"",
+                "no header, and other words beside the x y z of a point than a name: \"%.*s\"; keep a name and the "
+                "three numbers alone, or put a line of names in front: \"%s\"",
                 TEXT_SHOW(shown, 60), last);
     } else if (numbers == 4) {
         job_bad(head->job,
@@ -1829,7 +1842,9 @@ static void plan(struct head *head, bool *is_short)
             note_places(head);
         }
         note_angles(head);
-        if (is_of_regions(head)) {
+        const size_t query = find_name(head, "query", 0);
+        if (query != COLUMN_NONE && out->role_of[query] == ROLE_NAME && !head->words.name.size &&
+            has_names(head, "peak x")) { /* of conus overlap: a region, the same in many rows */
             drop_role(head, ROLE_NAME);
         }
         find_row_names(head);
@@ -1858,6 +1873,12 @@ static void plan_units(struct head *head)
         columns_hear_words(head);
     } else if (!head->options->atlas) {
         out->said.space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
+    }
+    bool is_of_brainsight =
+        has_names(head, "loc x/loc y/loc z") && (has_names(head, "target name") || has_names(head, "sample name"));
+    if (is_of_brainsight && out->has_header && !out->said.space.name[0] && !head->options->any_space) {
+        job_warn(head->job, "columns as Brainsight's, without its line \"# Coordinate system\" that says whose brain "
+                            "they are of: they are taken as being in the atlas's space");
     }
     out->scale = unit > 0 ? unit / mm : out->scale;
     out->has_unit = out->scale > 0;

@@ -205,13 +205,6 @@ static void describe_brain(char *out, size_t size, const conus_brain_view *brain
     }
 }
 
-/* The edition of MNI 152 that a name has. */
-static const char *edition_of(const char *name)
-{
-    struct text text = text_from(name);
-    return text_mentions(text, "2009") ? "NLin2009" : text_mentions(text, "Lin") ? "earlier" : "";
-}
-
 /* FreeSurfer's c_ras, mm: where the header places the middle of the grid, from which tkRAS counts. False: no volume. */
 static bool find_c_ras(double out[3], const conus_atlas *atlas)
 {
@@ -234,8 +227,8 @@ static conus_status refuse_tkras(const char *at, const char *words, const conus_
     }
     return fail(
         CONUS_ERROR_DATA,
-        "positions are in %s, FreeSurfer's surface RAS, which is scanner RAS minus %s: p may be p or p + c_ras in "
-        "the atlas (%s); needed is the list in scanner RAS, or the atlas moved by minus c_ras",
+        "positions are in %s, FreeSurfer's surface RAS: in the scan a point p lies at p + %s; taken as it stands it "
+        "would be answered at p of the atlas (%s), as far off. Save the list as scanner RAS (Freeview)",
         at, by, words);
 }
 
@@ -286,7 +279,9 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                           at);
     }
     const conus_brain_view own = {.brain = brain,
-                                  .edition = edition_of(space->name),
+                                  .edition = text_mentions(text_from(space->name), "2009")  ? "NLin2009"
+                                             : text_mentions(text_from(space->name), "Lin") ? "earlier"
+                                                                                            : "",
                                   .source = space->brain == POSE_BRAIN_MOUSE    ? "CCF"
                                             : space->brain == POSE_BRAIN_ANIMAL ? "voxels"
                                                                                 : "",
@@ -305,7 +300,8 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
             "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
             "atlas's space%s",
             at, words,
-            brain != CONUS_BRAIN_OWN || is_tkras ? ""
+            is_tkras                   ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
+            : brain != CONUS_BRAIN_OWN ? ""
             : is_of_frame
                 ? ", by way of the scan"
                 : ", or take an atlas made of that person's scan (only that one is typed with ',template=none')");

@@ -350,8 +350,10 @@ extern const char space_why_unit[], space_why_voxels[];
 /** When --any-space is right for positions of @p space: "only if they are RAS mm of the atlas (...), type ...". */
 const char *space_any(conus_space space);
 
-/** Why positions in tkRAS are refused. */
-extern const char space_why_tkras[];
+enum { SPACE_WHY = 256 };
+
+/** words->why; of a code of axes what its two readings make of a point, which may be written to @p out. */
+const char *space_words_why(char out[SPACE_WHY], const struct space_words *words);
 
 /** Whether positions of @p space are moved to MNI 152: those of MNI 305, unless the caller or the file's name says
  * otherwise. A note says so. */

@@ -28,8 +28,7 @@ static const char why_origin[] =
     "counted from a point that is not the atlas's origin; bring them to its space, for which a shift is not enough";
 static const char why_bregma[] =
     "counted from bregma; --space bregma reads them as AP, ML, DV, and needs an atlas of the Allen CCF";
-static const char why_code[] = "a code of axes: AFNI's say where they begin (RAI is LPS), others where they end; turn "
-                               "the columns to RAS, and write RAS";
+static const char why_code[] = "a code of axes"; /* space_words_why() says more */
 const char space_why_voxels[] = "voxels, not mm: convert them to mm of the atlas's space";
 
 static const struct row {
@@ -873,9 +872,34 @@ bool space_words_hear_cell(struct space_words *words, struct text cell, bool str
     return words->space.brain || words->why || words->has_signs;
 }
 
-const char space_why_tkras[] =
-    "FreeSurfer's tkRAS: for an atlas in MNI bring the points to MNI, for one of the same person save scanner RAS "
-    "(Freeview has both); --any-space is only for an atlas in tkRAS";
+const char *space_words_why(char out[SPACE_WHY], const struct space_words *words)
+{
+    static const char letters[] = "RLAPSI";
+    char ends[3][3] = {"?", "?", "?"};   /* x y z in RAS, where the letters say where axes end, */
+    char begins[3][3] = {"?", "?", "?"}; /* and where they say where these begin */
+    for (size_t k = 0; k < 3 && words->why == why_code && words->heard[k]; k++) {
+        const char *at = strchr(letters, words->heard[k] & ~0x20);
+        const size_t place = at ? (size_t)(at - letters) : 0;
+        snprintf(ends[place / 2], sizeof *ends, "%s%c", place % 2 ? "-" : "", "xyz"[k]);
+        snprintf(begins[place / 2], sizeof *begins, "%s%c", place % 2 ? "" : "-", "xyz"[k]);
+    }
+    const bool is_whole = ends[0][0] != '?' && ends[1][0] != '?' && ends[2][0] != '?';
+    const bool is_lps = text_equal_ignoring_case(text_from(words->heard), "rai");
+    const bool is_ras = text_equal_ignoring_case(text_from(words->heard), "lpi");
+    if (words->why != why_code || !is_whole) {
+        return words->why == why_code ? "a code of two axes, where three are needed" : words->why;
+    }
+    snprintf(
+        out, SPACE_WHY,
+        "AFNI says where axes begin, so that a point is (%s, %s, %s) in RAS%s; others say where they end, so that it "
+        "is (%s, %s, %s): turn the columns, and write RAS",
+        begins[0], begins[1], begins[2],
+        is_lps   ? ", which --space lps takes"
+        : is_ras ? ", which --any-space takes"
+                 : "",
+        ends[0], ends[1], ends[2]);
+    return out;
+}
 
 const char *space_any(conus_space space)
 {

@@ -18,7 +18,7 @@ static const double STRAIGHT = 0.9659258262890683;
 
 struct row {
     struct table_object object; /* none */
-    const char *name;
+    const char *name, *space;
     double at[3];
     double along[3], up[3]; /* NaN where no normal is known */
     double error_deg, error_mm;
@@ -39,6 +39,8 @@ static const struct table_field fields[] = {
      TABLE_OF(NUMBER, struct row, error_deg)},
     {"error_mm", "mm", "standard deviation of the position along each axis, likewise",
      TABLE_OF(NUMBER, struct row, error_mm)},
+    {"space", NULL, "whose head it is on, as tables of poses say it: MNI152, or individual of a scalp",
+     TABLE_OF(TEXT, struct row, space)},
 };
 
 const struct table_fields position_fields = {fields, sizeof fields / sizeof *fields};
@@ -92,6 +94,7 @@ static conus_status fill_row(struct row *row, const conus_place *place, const co
     conus_pose_error error;
     const bool has_normal = vec3_length(place->outward) > 0;
     *row = (struct row){.name = place->name,
+                        .space = options->scalp ? "individual" : "MNI152",
                         .along = {NAN, NAN, NAN},
                         .up = {NAN, NAN, NAN},
                         .error_deg = has_normal && !options->scalp ? NORMAL_ERROR : NAN,

@@ -232,3 +232,24 @@ END
     run -0 --separate-stderr "$CONUS" query JHU-WhiteMatter-labels-1mm --pose cm.csv -q
     [[ "$stderr" == *'are they in centimetres? Then type cm.csv,unit=cm'* ]]
 }
+
+@test "a person's centimetres are warned of in a macaque's brain, where they lie in its middle" {
+    need inia19-NeuroMaps # 84 mm long
+    printf 'name,x,y,z\nM1,-4.2,-2.0,5.0\nInsula,3.8,1.4,-0.4\nV1,-0.8,-9.2,0.2\n' >cm.csv
+    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --pose cm.csv -q
+    [[ "$stderr" == *'are they in centimetres? Then type cm.csv,unit=cm; else cm.csv,unit=mm'* ]]
+    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --pose cm.csv,unit=mm -q
+    [ -z "$stderr" ]
+    sed 's/M1,-4.2/M1,-14.2/' cm.csv >mm.csv
+    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --pose mm.csv -q
+    [ -z "$stderr" ]
+}
+
+@test "a saved cap says whose head it is on" {
+    need aal inia19-NeuroMaps
+    "$CONUS" positions C3 F3 P3 -o cap.tsv
+    run -0 --separate-stderr "$CONUS" query aal --pose cap.tsv --angle 10 -q
+    [ -z "$stderr" ]
+    run -3 --separate-stderr "$CONUS" query inia19-NeuroMaps --pose cap.tsv --angle 10
+    [[ "$stderr" == *'positions are in "MNI 152", the atlas in another space'* ]]
+}

@@ -232,7 +232,7 @@ END
         query "$BATS_FILE_TMPDIR/ras.nii" --space bregma --pose skull.txt --radius 1
     printf -- '0.14 0.15 -0.1\n-0.35 0.25 -0.06\n-0.21 0.15 -0.13\n' >cm.txt # the grid is 13.2 mm long
     run -0 --separate-stderr "$CONUS" query "$BATS_FILE_TMPDIR/ras.nii" --space bregma --pose cm.txt -q
-    [[ $stderr == 'conus: warning: cm.txt: all positions lie within 0.'*' mm of bregma: are they in centimetres? Then type cm.txt,unit=cm' ]]
+    [[ $stderr == 'conus: warning: cm.txt: all positions lie within 0.'*' mm of bregma: are they in centimetres? Then type cm.txt,unit=cm; else cm.txt,unit=mm' ]]
     printf '6400 132 6739\n6400 132 7739\n6400 132 8739\n' >ccf.txt
     run -0 "$CONUS" query "$BATS_FILE_TMPDIR/ras.nii" --space ccf --pose ccf.txt --radius 1
 }

@@ -142,6 +142,45 @@ the large ones; such a map is asked as 1 - p, or as its z values"* ]]
     answers overlap nested.nii.gz map.nrrd --threshold 0.6 # 1 - p is asked so
     map "$(awk 'BEGIN { for (i = 0; i < 40; i++) printf "%g ", i < 30 ? 0.9 + i / 300 : (i - 30) / 40 + 0.01 }')" # a tissue's
     answers overlap nested.nii.gz map.nrrd --threshold 0.25
+    map '0 0.0001 0.0002 0.0003 0.0004 0.02 0.0499 0 0' # cut at 0.05: at 0.01 a third are the large ones
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.01
+    [[ "$stderr" == *"map.nrrd: the region is 33.3 % of the voxels"*"of a map of p values it has the large ones"* ]]
+    map '0 0.0001 0.0049 0.996 0.999 0 0 0' # of both tails, at 0.005
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.99
+    [[ "$stderr" == *"map.nrrd: the region is 50 % of the voxels"* ]]
+    map '0 0.95 0.96 0.99 0.999 0 0 0' # 1 - p, cut: the large ones are meant
+    answers overlap nested.nii.gz map.nrrd --threshold 0.95
+    map '0 0.0001 0.01 0.03 0.08 0 0 0' # small values that end at no p
+    answers overlap nested.nii.gz map.nrrd --threshold 0.05
+}
+
+# Published maps of probabilities have a tail, or most at both ends.
+@test "a pathway of a map of p values is warned of" {
+    conus phantom nested -o .
+    map() { # VALUES
+        printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 8 1 1' 'space: RAS' \
+            'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' "$1" >map.nrrd
+        sed -i "s/sizes: 8/sizes: $(wc -w <<<"$1")/" map.nrrd
+    }
+    map "0 $(awk 'BEGIN { for (i = 0; i < 40; i++) printf "%g ", (i + 0.5) / 40 }')"
+    for words in '' ,threshold=0.05; do
+        run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway "map.nrrd$words" -q
+        [[ "$stderr" == *"map.nrrd: the pathway is "*"of a map of p values it has the large ones"* ]]
+    done
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway map.nrrd,threshold=0.6 -q
+    [ -z "$stderr" ]
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway map.nrrd,unit=probability -q
+    [ -z "$stderr" ]
+    map "0 0.0002 0.0003 0.0004 0.02 0.0499"
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway map.nrrd,threshold=0.01 -q
+    [[ "$stderr" == *"map.nrrd: the pathway is 40 % of the voxels"* ]]
+    map "0 $(awk 'BEGIN { for (i = 1; i <= 200; i++) printf "%g ", (i / 200) ^ 3 }')" # a probability's tail
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway map.nrrd,threshold=0.05 -q
+    [ -z "$stderr" ]
+    map "0 $(awk 'BEGIN { split("23 19 11 7 6 6 6 5 6 10", n); # the callosal body of Juelich'"'"'s pathways
+        for (t = 1; t <= 10; t++) for (i = 0; i < n[t]; i++) printf "%g ", (t - 1 + (i + 0.5) / n[t]) / 10 }')"
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway map.nrrd -q
+    [ -z "$stderr" ]
 }
 
 @test "a message says where atlas and region have changed places" {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* points FOLDER [FILE]: reads each file of the folder as points or poses, and compares with what facts.json says of it
  * (README.md): how many rows, the first and the last one, whose brain, or a part of the refusal. Then it reads every
- * prefix, and the file with every allocation failing. */
+ * prefix, the file with every bit flipped, and with every allocation failing. */
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "builders/place_atlas.h"
@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PREFIXES = 4096, FEW = 512, FAILURES = 4000, PATH_SIZE = 1024, LARGEST = 1 << 20, LONGEST = 230 };
+enum { PREFIXES = 4096, FEW = 512, FLIPS = 8192, FAILURES = 4000, PATH_SIZE = 1024, LARGEST = 1 << 20, LONGEST = 230 };
 
 /* Spaces that need an atlas have the frame of one whose world is right, anterior, superior from the space's origin. */
 static const conus_frame frames[] = {
@@ -42,7 +42,7 @@ struct answer {
 };
 
 static struct {
-    size_t entries, refused, pending, prefixes, failures, faults;
+    size_t entries, refused, pending, prefixes, flips, unseen, failures, faults;
     bool is_quiet;      /* A pending entry is asked: faults are counted, not shown. */
     conus_atlas *atlas; /* Of MNI 152. */
     conus_atlas *named; /* Whose areas files name. */
@@ -203,6 +203,51 @@ static void write_file(const struct entry *entry, const char *path, const void *
     }
 }
 
+static bool same_text(const char *a, const char *b)
+{
+    return a == b || (a && b && strcmp(a, b) == 0);
+}
+
+/* Whether the answers are one: the same refusal, or the same rows and notes. */
+static bool same_answer(const struct answer *a, const struct answer *b)
+{
+    const size_t count = conus_pose_list_count(a->list);
+    bool same = a->status == b->status && same_text(a->line, b->line) && count == conus_pose_list_count(b->list);
+    for (size_t i = 0; same && i < count; i++) {
+        const conus_pose_row *r = conus_pose_list_row(a->list, i), *s = conus_pose_list_row(b->list, i);
+        same = memcmp(&r->pose, &s->pose, sizeof r->pose) == 0 && same_text(r->id, s->id) &&
+               same_text(r->error, s->error) && memcmp(&r->radius, &s->radius, sizeof r->radius) == 0 &&
+               r->angle == s->angle && memcmp(r->range, s->range, sizeof r->range) == 0;
+    }
+    for (size_t i = 0; same && (conus_pose_list_note(a->list, i) || conus_pose_list_note(b->list, i)); i++) {
+        same = same_text(conus_pose_list_note(a->list, i), conus_pose_list_note(b->list, i));
+    }
+    return same;
+}
+
+/* A file with a bit flipped is read or refused. Of digits that become others those are counted that nobody sees in the
+ * answer: of comments, of columns that are passed over, of rows that were refused; CONUS_TEST_SHOW lists them. */
+static void check_flips(const struct entry *entry, const char *path, const struct answer *whole, struct bytes bytes)
+{
+    const size_t step = 8 * bytes.size / test_cases(FLIPS) + 1;
+    for (size_t bit = 0; bit < 8 * bytes.size; bit += step, total.flips++) {
+        uint8_t *byte = (uint8_t *)bytes.data + bit / 8;
+        const uint8_t before = *byte;
+        *byte ^= (uint8_t)(1U << bit % 8);
+        write_file(entry, path, bytes.data, bytes.size);
+        struct answer answer = ask(entry, path);
+        const bool is_digit = before >= '0' && before <= '9' && *byte >= '0' && *byte <= '9';
+        if (is_digit && whole->list && same_answer(&answer, whole)) {
+            total.unseen++;
+            if (getenv("CONUS_TEST_SHOW")) {
+                printf("unseen in %s, byte %zu\n", entry->file, bit / 8);
+            }
+        }
+        answer_finish(&answer);
+        *byte = before;
+    }
+}
+
 /* Every prefix is read or refused; without memory the answer is the same, or says that memory is missing. */
 static void check_harm(const struct entry *entry, const char *path, const struct answer *whole)
 {
@@ -217,6 +262,7 @@ static void check_harm(const struct entry *entry, const char *path, const struct
         struct answer answer = ask(entry, path);
         answer_finish(&answer);
     }
+    check_flips(entry, path, whole, bytes);
     write_file(entry, path, bytes.data, bytes.size);
     bytes_finish(&bytes);
     const long most = (long)test_cases(FAILURES);
@@ -378,8 +424,10 @@ int main(int argc, char **argv)
     json_decref(all);
     conus_atlas_destroy(total.atlas);
     conus_atlas_destroy(total.named);
-    printf("%zu files, %zu of them refused, %zu pending; %zu prefixes, %zu failing allocations, %.1f s; %zu faults\n",
-           total.entries, total.refused, total.pending, total.prefixes, total.failures,
+    printf("%zu files, %zu of them refused, %zu pending; %zu prefixes, %zu flips of a bit (%zu of digits unseen), %zu "
+           "failing allocations, "
+           "%.1f s; %zu faults\n",
+           total.entries, total.refused, total.pending, total.prefixes, total.flips, total.unseen, total.failures,
            (double)clock() / CLOCKS_PER_SEC, total.faults);
     return total.entries && !total.faults ? EXIT_SUCCESS : EXIT_FAILURE;
 }

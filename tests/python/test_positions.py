@@ -33,7 +33,8 @@ def wanted_handle(name, outward, degrees):
 @pytest.mark.parametrize("degrees, out", [(0, 0), (45, 10), (-90, -3)])
 def test_devices_stand_as_the_equation_says(degrees, out):
     plain, turned = conus.positions(), conus.positions(handle=degrees, out=out)
-    assert list(plain.columns) == ["query_id", *"xyz", "dx", "dy", "dz", "ux", "uy", "uz", "error_deg", "error_mm"]
+    assert list(plain.columns) == ["query_id", *"xyz", "dx", "dy", "dz", "ux", "uy", "uz", "error_deg", "error_mm", "space"]
+    assert (plain["space"] == "MNI152").all()
     assert len(plain) == 79 and plain["dx"].isna().sum() == 18
     has = plain["dx"].notna()
     assert (turned["x"].notna() == (has | (out == 0))).all()

@@ -131,6 +131,7 @@ def test_positions_are_those_of_closed_forms(tmp_path, head):
             off = np.degrees(np.arccos(min(1, -shape.normal(wanted[row.query_id]) @ [row.dx, row.dy, row.dz])))
             assert off < 2, row.query_id
     assert rows["error_deg"].isna().all() and rows["error_mm"].isna().all()
+    assert (rows["space"] == "individual").all()
 
 
 def test_a_query_takes_the_position_of_the_scalp(tmp_path):
@@ -146,6 +147,9 @@ def test_a_query_takes_the_position_of_the_scalp(tmp_path):
     call_conus("query", tmp_path / "own.nii", "--origin", "C3", "--inward", "--scalp", scalp, "--out", "5", *aim, "-o", tmp_path / "answer.tsv")
     direct = (tmp_path / "answer.tsv").read_text().split("\n")
     assert len(direct) > 2 and direct[1].split("\t")[5:7] == by_file[1].split("\t")[5:7]
+    done = subprocess.run([os.environ["CONUS"], "query", f"{tmp_path / 'own.nii'},template=mni152", "--pose", tmp_path / "c3.tsv", *aim],
+                          capture_output=True, check=False)
+    assert done.returncode == 3 and b'positions are in "individual"' in done.stderr, done.stderr
     for words in (["--origin", "0,90,20"], ["--pose", tmp_path / "c3.tsv"]):  # which a scalp does not move
         done = subprocess.run([os.environ["CONUS"], "query", tmp_path / "own.nii", *words, "--inward", "--scalp", scalp],
                               capture_output=True, check=False)
