@@ -882,11 +882,36 @@ const struct option axis_options[] = {
     {0},
 };
 
+/* SEEG electrodes, by the catalogue numbers of DIXI Medical and PMT. A contact is 2 mm long, and the first one begins
+ * at the tip: OSS-DBS, threeBrain and Brainstorm agree. Of Ad-Tech's these differ in where the first contact is. */
+static const struct {
+    const char *name;
+    conus_contacts contacts;
+} electrodes[] = {{"d08-05am", {.count = 5, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"d08-08am", {.count = 8, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"d08-10am", {.count = 10, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"d08-12am", {.count = 12, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"d08-15am", {.count = 15, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"d08-18am", {.count = 18, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"2102-08-091", {.count = 8, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"2102-10-091", {.count = 10, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"2102-12-091", {.count = 12, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"2102-14-091", {.count = 14, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"2102-16-091", {.count = 16, .columns = 1, .pitch = 3.5, .tip = 1}},
+                  {"2102-16-092", {.count = 16, .columns = 1, .pitch = 3.97, .tip = 1}},
+                  {"2102-16-093", {.count = 16, .columns = 1, .pitch = 4.43, .tip = 1}}};
+
 int settings_contacts(conus_contacts *out, const char *text)
 {
     *out = (conus_contacts){0};
     if (!text) {
         return EXIT_DONE;
+    }
+    for (size_t i = 0; i < sizeof electrodes / sizeof electrodes[0]; i++) {
+        if (text_equal_ignoring_case(text_from(text), electrodes[i].name)) {
+            *out = electrodes[i].contacts;
+            return EXIT_DONE;
+        }
     }
     double numbers[4];
     bool whole = numbers_parse(numbers, 4, text, ',') == 4 && numbers[0] >= 1 && numbers[0] <= UINT32_MAX &&
@@ -899,7 +924,7 @@ int settings_contacts(conus_contacts *out, const char *text)
     return whole
                ? EXIT_DONE
                : print_usage_error("--contacts: \"%s\" is not COUNT,COLUMNS,PITCH,TIP: two whole numbers from 1 on and "
-                                   "two lengths in mm",
+                                   "two lengths in mm, nor an electrode that is known, such as D08-10AM",
                                    text);
 }
 
