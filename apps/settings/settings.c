@@ -886,20 +886,13 @@ const struct option axis_options[] = {
  * at the tip: OSS-DBS, threeBrain and Brainstorm agree. Of Ad-Tech's these differ in where the first contact is. */
 static const struct {
     const char *name;
-    conus_contacts contacts;
-} electrodes[] = {{"d08-05am", {.count = 5, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"d08-08am", {.count = 8, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"d08-10am", {.count = 10, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"d08-12am", {.count = 12, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"d08-15am", {.count = 15, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"d08-18am", {.count = 18, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"2102-08-091", {.count = 8, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"2102-10-091", {.count = 10, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"2102-12-091", {.count = 12, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"2102-14-091", {.count = 14, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"2102-16-091", {.count = 16, .columns = 1, .pitch = 3.5, .tip = 1}},
-                  {"2102-16-092", {.count = 16, .columns = 1, .pitch = 3.97, .tip = 1}},
-                  {"2102-16-093", {.count = 16, .columns = 1, .pitch = 4.43, .tip = 1}}};
+    uint32_t count;
+    double pitch; /* mm */
+} electrodes[] = {{"d08-05am", 5, 3.5},     {"d08-08am", 8, 3.5},     {"d08-10am", 10, 3.5},
+                  {"d08-12am", 12, 3.5},    {"d08-15am", 15, 3.5},    {"d08-18am", 18, 3.5},
+                  {"2102-08-091", 8, 3.5},  {"2102-10-091", 10, 3.5}, {"2102-12-091", 12, 3.5},
+                  {"2102-14-091", 14, 3.5}, {"2102-16-091", 16, 3.5}, {"2102-16-092", 16, 3.97},
+                  {"2102-16-093", 16, 4.43}};
 
 int settings_contacts(conus_contacts *out, const char *text)
 {
@@ -909,7 +902,7 @@ int settings_contacts(conus_contacts *out, const char *text)
     }
     for (size_t i = 0; i < sizeof electrodes / sizeof electrodes[0]; i++) {
         if (text_equal_ignoring_case(text_from(text), electrodes[i].name)) {
-            *out = electrodes[i].contacts;
+            *out = (conus_contacts){.count = electrodes[i].count, .columns = 1, .pitch = electrodes[i].pitch, .tip = 1};
             return EXIT_DONE;
         }
     }
