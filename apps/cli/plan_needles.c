@@ -22,7 +22,11 @@ const struct option needles_options[] = {
              "that are called like the options above, which hold for all needles where they are given here; a row may "
              "name several needles that may answer it, with 1 in column once only one of them",
      .words = "electrodes, several, combination, SEEG",
-     .excludes = "map,target-map,constraints,profile,tolerance,jitter,rank,score,infeasible", OPTION_READING(TEXT)},
+     .excludes = "map,target-map,constraints,profile,tolerance,jitter,rank,score,infeasible",
+     .because =
+         "combinations have the one order that is proven, and conus plan --poses of what --poses-out writes says "
+         "the rest of each needle alone",
+     OPTION_READING(TEXT)},
     {OPTION_VALUED("between", struct needles_settings, between, "MM[,parts=MM]"),
      .help = "any two needles stay farther apart than MM, 0 to 100, and so do their parts from needles and parts; at 0 "
              "they do not touch",
@@ -63,7 +67,15 @@ const struct option needles_options[] = {
     {0},
 };
 
-enum { COLUMN_LIMIT = 64, TABLE_LIMIT = 1 << 20, NEEDLE_MOST = 16, ROW_MOST = 64, FILES_MOST = 100, COVER_MOST = 16 };
+enum {
+    COLUMN_LIMIT = 64,
+    TABLE_LIMIT = 1 << 20,
+    NEEDLE_MOST = 16,
+    ROW_MOST = 64,
+    FILES_MOST = 100,
+    COVER_MOST = 16,
+    MORE_SIZE = 96
+};
 
 /* The columns that are no options: 1 where only one needle may answer the row; which arc its needles are on. */
 static const struct option row_columns[] = {{.name = "once"}, {.name = "arc"}};
@@ -106,9 +118,9 @@ struct planner {
     conus_together_options options;
     char *cover_names[COVER_MOST];
     conus_cover covers[COVER_MOST];
-    double pitch; /* degrees, of --arcs */
-    bool uses_pitch;
     conus_together *together;
+    conus_so_far so_far;
+    char more[MORE_SIZE]; /* of the line of progress: what that says */
 };
 
 /* A cell: without quotation marks, doubled ones once; ends with a NUL in its place. */
@@ -318,15 +330,12 @@ static int read_parts(struct question_row *row)
 /* What a row asks of the angles of a rig counts from its pitch. */
 static void pitch_row(struct question_row *row)
 {
-    struct planner *planner = row->planner;
+    const double pitch = row->planner->options.pitch;
     for (size_t i = 0; i < row->constraints.count; i++) {
-        bool is_arc = row->constraints.items[i].kind == CONUS_CONSTRAINT_ARC;
-        row->constraints.items[i].pitch = is_arc ? planner->pitch : 0;
-        planner->uses_pitch = planner->uses_pitch || is_arc;
+        row->constraints.items[i].pitch = row->constraints.items[i].kind == CONUS_CONSTRAINT_ARC ? pitch : 0;
     }
     for (size_t i = 0; i < row->candidates.from.angle_count; i++) {
-        row->candidates.from.angles[2 * i] -= planner->pitch;
-        planner->uses_pitch = true;
+        row->candidates.from.angles[2 * i] -= pitch;
     }
 }
 
@@ -491,11 +500,7 @@ static int read_table(struct planner *planner)
         code = code || !count ? code : read_row(planner, cells, columns, count, number);
         count = found;
     }
-    return code              ? code
-           : !planner->count ? print_usage_error("%s: no needles in it", path)
-           : planner->pitch != 0 && !planner->uses_pitch
-               ? print_usage_error("--arcs: pitch has no effect without --arc-window or --from angles")
-               : EXIT_DONE;
+    return code ? code : !planner->count ? print_usage_error("%s: no needles in it", path) : EXIT_DONE;
 }
 
 /* MM[,parts=MM] */
@@ -536,7 +541,7 @@ static bool read_arcs(struct planner *planner, const char *text)
         *numbers[i] = number->numbers[0];
         *counts[i] = (uint64_t)count->numbers[0];
     }
-    planner->pitch = keys_value(&keys, KEY_TILT_AP)->numbers[0];
+    out->pitch = keys_value(&keys, KEY_TILT_AP)->numbers[0];
     bool is_fine = number_parse(copy, &out->arcs) && out->arcs > 0 && out->arcs <= 180;
     free(copy);
     double same = out->same > 0 ? out->same : 0.5;
@@ -752,7 +757,17 @@ static int take_given(struct planner *planner)
 static bool show_tried(void *user, size_t done, size_t total)
 {
     struct planner *planner = user;
+    const conus_so_far *so_far = &planner->so_far;
+    char *more = planner->more;
+    size_t size = 0;
     (void)total;
+    *more = '\0';
+    if (so_far->combination) {
+        size = (size_t)snprintf(more, MORE_SIZE, "; combination %llu: ", (unsigned long long)so_far->combination);
+        size += (size_t)snprintf(more + size, MORE_SIZE - size, isnan(so_far->leeway) ? "none yet" : "leeway %.2f mm",
+                                 so_far->leeway);
+        snprintf(more + size, MORE_SIZE - size, isnan(so_far->bound) ? "" : ", at most %.2f", so_far->bound);
+    }
     progress_update(&planner->request.progress, done, 0);
     return !interrupt_signal();
 }
@@ -814,8 +829,10 @@ static int search(struct planner *planner)
     }
     planner->options.progress = show_tried;
     planner->options.progress_user = planner;
+    planner->options.so_far = &planner->so_far;
     progress_start(&planner->request.progress, (enum progress_kind)settings->progress, settings->request.common.quiet,
                    "poses", 0);
+    planner->request.progress.more = planner->more;
     interrupt_catch(NULL);
     conus_status status = conus_plan_together(&planner->together, questions, planner->count, &planner->options);
     interrupt_release();

@@ -491,8 +491,9 @@ static bool check_excludes(const struct arguments *arguments, const struct optio
     for (size_t i = 0; (other = option_at(arguments->command, i)); i++) {
         if (arguments->given[i] && option_excludes(option, other)) {
             bool by_name = is_among(option->excludes, other->name);
-            return refuse("--%s and --%s exclude each other", by_name ? option->name : other->name,
-                          by_name ? other->name : option->name);
+            return refuse("--%s and --%s exclude each other%s%s", by_name ? option->name : other->name,
+                          by_name ? other->name : option->name, option->because ? ": " : "",
+                          option->because ? option->because : "");
         }
     }
     return true;

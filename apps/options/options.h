@@ -156,6 +156,7 @@ struct option {
     const char *needs;    /**< Options without which it has no effect: one of "pose|poses", or "sampling=slices". Those
                                that the command does not have do not count. */
     const char *excludes; /**< "pose,poses": options that cannot stand beside it. */
+    const char *because;  /**< Why, at the end of their refusal; may be NULL. */
     const char *endings;  /**< ".exr .png": the file's name must have one of them. */
     const char *format;   /**< The answer's format (OPTION_WRITES_ANSWER) if no ending says one. */
     enum key_kind keys;   /**< Of an output that may have one behind its name: option_key() gives its value; or 0. */

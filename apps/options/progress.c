@@ -62,6 +62,10 @@ static void make_line(char line[LINE_SIZE], const struct progress *progress, uin
         size_t used = strlen(line);
         snprintf(line + used, LINE_SIZE - used, ", %llu errors", (unsigned long long)errors);
     }
+    if (progress->more) {
+        size_t used = strlen(line);
+        snprintf(line + used, LINE_SIZE - used, "%s", progress->more);
+    }
 }
 
 static void show_json(const struct progress *progress, uint64_t done, uint64_t errors, bool finished)

@@ -33,6 +33,7 @@ struct progress {
     bool in_log;           /**< A line now and then. */
     uint64_t total;        /**< 0 = not known. */
     uint64_t before;       /**< Done when it began. */
+    const char *more;      /**< Ends the lines for people; NULL = nothing. */
     double started, shown; /**< By clock_ms(). */
 };
 

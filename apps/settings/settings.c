@@ -882,11 +882,29 @@ const struct option axis_options[] = {
     {0},
 };
 
+/* SEEG electrodes, by the catalogue numbers of DIXI Medical and PMT. A contact is 2 mm long, and the first one begins
+ * at the tip: OSS-DBS, threeBrain and Brainstorm agree. Of Ad-Tech's these differ in where the first contact is. */
+static const struct {
+    const char *name;
+    uint32_t count;
+    double pitch; /* mm */
+} electrodes[] = {{"d08-05am", 5, 3.5},     {"d08-08am", 8, 3.5},     {"d08-10am", 10, 3.5},
+                  {"d08-12am", 12, 3.5},    {"d08-15am", 15, 3.5},    {"d08-18am", 18, 3.5},
+                  {"2102-08-091", 8, 3.5},  {"2102-10-091", 10, 3.5}, {"2102-12-091", 12, 3.5},
+                  {"2102-14-091", 14, 3.5}, {"2102-16-091", 16, 3.5}, {"2102-16-092", 16, 3.97},
+                  {"2102-16-093", 16, 4.43}};
+
 int settings_contacts(conus_contacts *out, const char *text)
 {
     *out = (conus_contacts){0};
     if (!text) {
         return EXIT_DONE;
+    }
+    for (size_t i = 0; i < sizeof electrodes / sizeof electrodes[0]; i++) {
+        if (text_equal_ignoring_case(text_from(text), electrodes[i].name)) {
+            *out = (conus_contacts){.count = electrodes[i].count, .columns = 1, .pitch = electrodes[i].pitch, .tip = 1};
+            return EXIT_DONE;
+        }
     }
     double numbers[4];
     bool whole = numbers_parse(numbers, 4, text, ',') == 4 && numbers[0] >= 1 && numbers[0] <= UINT32_MAX &&
@@ -899,7 +917,7 @@ int settings_contacts(conus_contacts *out, const char *text)
     return whole
                ? EXIT_DONE
                : print_usage_error("--contacts: \"%s\" is not COUNT,COLUMNS,PITCH,TIP: two whole numbers from 1 on and "
-                                   "two lengths in mm",
+                                   "two lengths in mm, nor an electrode that is known, such as D08-10AM",
                                    text);
 }
 

@@ -463,6 +463,13 @@ typedef struct conus_cover {
     uint64_t contacts; /**< So many of all shanks of all needles at least; 0 = they are only counted. */
 } conus_cover;
 
+/** How far the search for combinations has got. */
+typedef struct conus_so_far {
+    uint64_t combination; /**< Number of the one that is looked for, from 1; 0 = candidates are judged. */
+    double leeway;        /**< Of the best that was found for it; NaN = none was, or it has none. */
+    double bound;         /**< None that may stand there has a larger leeway; NaN = that is not known. */
+} conus_so_far;
+
 /** What holds for each two needles (Eq. 26), and for all of them. */
 typedef struct conus_together_options {
     size_t struct_size;          /**< Its size, as #CONUS_TOGETHER_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -488,6 +495,8 @@ typedef struct conus_together_options {
     uint64_t arcs_each;        /**< Up to so many needles on one arc, likewise. */
     const conus_cover *covers; /**< [cover_count] Each question has contacts then. */
     size_t cover_count;        /**< Up to 16. */
+    double pitch;              /**< Of the rig about the right-left axis, degrees: its arc angles are so much larger. */
+    conus_so_far *so_far;      /**< Is filled each time before @p progress is called; NULL = it is not. */
 } conus_together_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

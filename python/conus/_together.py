@@ -159,10 +159,10 @@ def _set_pair(options: Any, name: str, given: Any, members: tuple[str, str]) -> 
         setattr(options, member, whole(name, value) if member == "differ" else value)
 
 
-def _set_arcs(options: Any, arcs: Any) -> float:
-    """Degrees, or a mapping with the keys of --arcs beside "spacing". Gives the pitch."""
+def _set_arcs(options: Any, arcs: Any) -> None:
+    """Degrees, or a mapping with the keys of --arcs beside "spacing"."""
     keys = dict(arcs) if isinstance(arcs, Mapping) else {"spacing": arcs}
-    pitch = real("arcs: pitch", keys.pop("pitch", 0))
+    options.pitch = real("arcs: pitch", keys.pop("pitch", 0))
     for key, value in {**keys, "spacing": keys.get("spacing", 0)}.items():
         if key not in _ARCS:
             raise ArgumentError(f"arcs: there is no key {shown(key)}, allowed are {', '.join(_ARCS)}")
@@ -172,7 +172,6 @@ def _set_arcs(options: Any, arcs: Any) -> float:
             raise ArgumentError(f"arcs: {key}: {shown(value)}, wanted is a number of degrees above 0")
         else:
             setattr(options, "arcs" if key == "spacing" else key, degrees)
-    return pitch
 
 
 def together_of(
@@ -189,7 +188,8 @@ def together_of(
     if effort is not None:
         steps = 1000000 * real("effort", effort)
         options.effort = whole("effort", round(steps) if math.isfinite(steps) else steps, 1, 2**64 - 1)
-    pitch = 0.0 if arcs is None else _set_arcs(options, arcs)
+    if arcs is not None:
+        _set_arcs(options, arcs)
     covers = [(utf8("cover", names), 0 if least is None else whole("cover", least, 1, 1000000))
               for names, least in structures_of("cover", cover)]
     counted = ffi.new("conus_cover[]", covers)
@@ -204,9 +204,7 @@ def together_of(
     for names, one in needles.items():
         for own in [one] if isinstance(one, Mapping) else items(names, one):
             is_given = {name.strip() for name in names.split(",")} <= placed
-            asked.append(_Question(atlas, names, {**of_all, **own}, threads, is_given, state, pitch, bool(covers)))
-    if pitch and not any("pitch" in row for question in asked for row in question.constraints.rows):
-        raise ArgumentError("arcs: pitch has no effect without arc_window")
+            asked.append(_Question(atlas, names, {**of_all, **own}, threads, is_given, state, options.pitch, bool(covers)))
     if idle := [text(question.names) for question in asked if text(question.arc) and not options.arcs]:
         raise ArgumentError(f"{idle[0]}: arc has no effect without arcs")
     questions = ffi.new("conus_question[]", max(1, len(asked)))

@@ -90,6 +90,10 @@ struct conus_together {
     bool has_answer, is_best; /* of the next entry; is_best: none of the candidates that are known has more */
     bool is_none;             /* likewise: there is no combination of them */
     uint64_t nodes, limit;    /* the next entry may take so many */
+    bool is_searching;
+    struct search_answer known; /* of the candidates that are known, as far as the search has got */
+    int64_t unknown;            /* nm; less have those that were not when that search began, */
+    int64_t bound;              /* and the next entry has no more, so far */
     int64_t cuts[NEEDLE_LIMIT];
     bool has_conflict;
     conus_placed placed[NEEDLE_LIMIT];
@@ -131,9 +135,11 @@ static conus_status check_list(conus_together *together)
 static conus_status check_arcs(struct arcs *out, conus_together_options *options)
 {
     static const double SAME = 0.5, DEGREES = 180, SLACK = 1e-6;
-    bool has_other = options->slider > 0 || options->same > 0 || options->arcs_most || options->arcs_each;
+    bool has_other =
+        options->slider > 0 || options->same > 0 || options->arcs_most || options->arcs_each || options->pitch != 0;
     if (!options->arcs && has_other) {
-        return fail(CONUS_ERROR_ARGUMENT, "arcs: slider, same, arcs_most and arcs_each have no effect without them");
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "arcs: slider, same, arcs_most, arcs_each and pitch have no effect without them");
     }
     options->slider = options->slider ? options->slider : options->arcs;
     options->same = options->same || !options->arcs ? options->same : SAME;
@@ -141,6 +147,9 @@ static conus_status check_arcs(struct arcs *out, conus_together_options *options
           options->same >= 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "arcs: %g degrees, slider %g, same %g, allowed are 0 to %g", options->arcs,
                     options->slider, options->same, DEGREES);
+    }
+    if (!(fabs(options->pitch) <= DEGREES)) {
+        return fail(CONUS_ERROR_ARGUMENT, "arcs: pitch: %g degrees, allowed are -180 to 180", options->pitch);
     }
     if (options->arcs > 0 && !(2 * options->same + SLACK < options->arcs)) {
         return fail(CONUS_ERROR_ARGUMENT,
@@ -192,18 +201,7 @@ static conus_status check_options(conus_together *together, const conus_together
     return status ? status : check_margin("diverse", options->diverse);
 }
 
-/* Told by the search, which tries nothing, and by plans. */
-static bool show_progress(void *user, size_t done, size_t total)
-{
-    conus_together *together = user;
-    const conus_together_options *options = &together->options;
-    (void)total;
-    together->tried = done ? together->tried_before + done : together->tried;
-    together->was_cancelled =
-        together->was_cancelled ||
-        (options->progress && !options->progress(options->progress_user, (size_t)together->tried, 0));
-    return !together->was_cancelled;
-}
+static bool show_progress(void *user, size_t done, size_t total);
 
 static conus_status check_plan_options(const conus_plan_options *options)
 {
@@ -704,6 +702,53 @@ static int64_t most_of_next(const conus_together *together)
     return before < most ? before : most;
 }
 
+static double known_mm(int64_t nm)
+{
+    return nm >= 0 && nm < HIGHEST ? NM * (double)nm : NAN;
+}
+
+/* Notes what none exceeds that may be the next entry: of candidates that are known, and of others. */
+static void shrink_bound(conus_together *together)
+{
+    const struct search_answer *known = &together->known;
+    int64_t most = known->found && known->least > known->most ? known->least : known->most;
+    int64_t limit = most_of_next(together);
+    most = most > together->unknown ? most : together->unknown;
+    limit = most < limit ? most : limit;
+    together->bound = limit < together->bound ? limit : together->bound;
+}
+
+static void tell_so_far(conus_so_far *out, conus_together *together)
+{
+    const bool is_better = together->has_answer && next_entry(together)->answer.least > together->known.least;
+    const int64_t known = together->known.found ? together->known.least : -1;
+    *out = (conus_so_far){0, NAN, NAN};
+    if (together->is_searching) {
+        *out =
+            (conus_so_far){together->entry_count + 1, known_mm(is_better ? next_entry(together)->answer.least : known),
+                           known_mm(together->bound)};
+    }
+}
+
+/* Told by the search, which tries nothing, and by plans. */
+static bool show_progress(void *user, size_t done, size_t total)
+{
+    conus_together *together = user;
+    const conus_together_options *options = &together->options;
+    (void)total;
+    if (together->is_searching) {
+        shrink_bound(together);
+    }
+    if (options->so_far) {
+        tell_so_far(options->so_far, together);
+    }
+    together->tried = done ? together->tried_before + done : together->tried;
+    together->was_cancelled =
+        together->was_cancelled ||
+        (options->progress && !options->progress(options->progress_user, (size_t)together->tried, 0));
+    return !together->was_cancelled;
+}
+
 /* Below it no candidate of a needle is in a combination that is as good as the next entry (Eq. 28). */
 static void find_cuts(conus_together *together)
 {
@@ -758,26 +803,34 @@ static conus_status begin_search(struct search **out, conus_together *together, 
 static conus_status search_known(conus_together *together)
 {
     struct search *search = NULL;
-    struct search_answer answer = {0};
+    struct search_answer *answer = &together->known;
     bool is_best = false;
     struct entry *entry = next_entry(together);
     const uint32_t all = (1U << together->count) - 1;
-    conus_status status = begin_search(&search, together, together->limit);
-    status = status ? status : joint_least(&answer, search, all, &together->test, most_of_next(together));
-    bool is_least = answer.found && answer.least == answer.most;
-    if (!status && answer.found) {
-        status = joint_best(&answer, &is_best, search, &together->test);
+    *answer = (struct search_answer){.most = INT64_MAX};
+    together->unknown = 0;
+    for (size_t q = 0; q < together->question_count; q++) {
+        const struct question_of *question = &together->questions[q];
+        int64_t floor = question->has_leeway ? question->floor : INT64_MAX;
+        bool is_more = question->is_asked && !question->is_whole && floor > together->unknown;
+        together->unknown = is_more ? floor : together->unknown;
     }
-    if (answer.found && (!status || status == CONUS_ERROR_CANCELLED)) {
-        entry->answer = answer;
+    conus_status status = begin_search(&search, together, together->limit);
+    status = status ? status : joint_least(answer, search, all, &together->test, most_of_next(together));
+    bool is_least = answer->found && answer->least == answer->most;
+    if (!status && answer->found) {
+        status = joint_best(answer, &is_best, search, &together->test);
+    }
+    if (answer->found && (!status || status == CONUS_ERROR_CANCELLED)) {
+        entry->answer = *answer;
         together->has_answer = true;
         for (size_t i = 0; i < together->count; i++) {
-            entry->numbers[i] = together->needles[i].list.items[answer.chosen[i]].number;
+            entry->numbers[i] = together->needles[i].list.items[answer->chosen[i]].number;
         }
     }
     together->is_best = !status && is_least && is_best;
-    together->is_none = !status && !answer.found && answer.most < 0;
-    entry->answer.most = answer.most;
+    together->is_none = !status && !answer->found && answer->most < 0;
+    entry->answer.most = answer->most;
     together->nodes += search ? joint_nodes(search) : 0;
     joint_destroy(search);
     return status;
@@ -835,6 +888,8 @@ static conus_status search_entry(conus_together *together)
     bool is_longer = true;
     conus_status status = CONUS_OK;
     together->has_answer = false;
+    together->is_searching = true;
+    together->bound = INT64_MAX;
     while (is_longer && !status) {
         status = search_known(together);
         find_cuts(together);
@@ -846,6 +901,7 @@ static conus_status search_entry(conus_together *together)
         }
         status = status && status != CONUS_ERROR_CANCELLED ? status : followed ? followed : status;
     }
+    together->is_searching = false;
     return status == CONUS_ERROR_CANCELLED && together->has_answer ? CONUS_OK : status;
 }
 
@@ -1108,7 +1164,7 @@ static void judge_entry(conus_together *together)
         }
     }
     /* Lists may have grown since the last search that was whole. */
-    most = together->was_cancelled ? INT64_MAX : most;
+    most = together->was_cancelled ? together->bound : most;
     int64_t limit = most_of_next(together);
     entry->bound = is_proven ? entry->answer.least : most < limit ? most : limit;
     bool are_before = !together->entry_count || entry[-1].combination.proven;
@@ -1234,7 +1290,8 @@ conus_status conus_plan_together(conus_together **out, const conus_question *que
         conus_together_destroy(together);
         return status;
     }
-    together->options.given = NULL; /* the caller's */
+    together->options.given = NULL; /* the caller's, as the next one */
+    together->options.so_far = NULL;
     *out = together;
     return CONUS_OK;
 }

@@ -308,7 +308,9 @@ enum column_only {
     ONLY_WEIGHT = 4,    /**< A weight, */
     ONLY_POSTERIOR = 8, /**< a posterior, */
     ONLY_DOSES = 16,    /**< or a weight, and all layers or points. */
-    ONLY_BUNDLES = 32   /**< Bundles, of this atlas or of one that is joined. */
+    ONLY_BUNDLES = 32,  /**< Bundles, of this atlas or of one that is joined. */
+    ONLY_COVERS = 64,   /**< Several needles, whose contacts are counted, */
+    ONLY_ARCS = 128     /**< or which are on arcs. */
 };
 
 struct report_column {

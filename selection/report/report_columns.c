@@ -309,12 +309,30 @@ static struct cell get_proven(const conus_report *report, const struct report_ro
 
 static struct cell get_contacts(const conus_report *report, const struct report_row *row)
 {
-    return report->needles.asked->cover_count ? integer_cell(combination_of(report, row)->contacts) : no_cell();
+    return integer_cell(combination_of(report, row)->contacts);
 }
 
 static struct cell get_needle(const conus_report *report, const struct report_row *row)
 {
     return text_cell(report->needles.at[row->planned.needle]->name);
+}
+
+static double angle_of(const conus_report *report, const struct report_row *row, bool is_arc)
+{
+    double arc;
+    double slider;
+    arc_angles(&arc, &slider, &report->frame, row->planned.pose->pose.world_from_device + 8);
+    return is_arc ? remainder(arc + report->needles.asked->pitch, 360) : slider;
+}
+
+static struct cell get_arc(const conus_report *report, const struct report_row *row)
+{
+    return number_cell(angle_of(report, row, true));
+}
+
+static struct cell get_slider(const conus_report *report, const struct report_row *row)
+{
+    return number_cell(angle_of(report, row, false));
 }
 
 static struct cell get_needle_row(const conus_report *report, const struct report_row *row)
@@ -331,9 +349,11 @@ static const struct report_column needle_columns[] = {
     {"all_bound", "mm", "no combination that may stand there has a larger least leeway", OF_COMBINATION(NUMBER, bound)},
     {"all_sum_mm", "mm", "sum of the needles' leeways", OF_COMBINATION(NUMBER, sum)},
     {"all_depth_mm", "mm", "sum of the needles' depths", OF_COMBINATION(NUMBER, depth)},
-    {"all_contacts", NULL, "contacts of all needles that are in any --cover", .get = get_contacts},
+    {"all_contacts", NULL, "contacts of all needles that are in any --cover", .get = get_contacts, .only = ONLY_COVERS},
     {"needle", NULL, "name of the needle", NAMED(get_needle)},
     {"row", NULL, "number of the row of the table that it answers, from 1", .get = get_needle_row},
+    {"arc_deg", "degree", "angle of its arc on the rig of --arcs", .get = get_arc, .only = ONLY_ARCS},
+    {"slider_deg", "degree", "its angle along that arc", .get = get_slider, .only = ONLY_ARCS},
 };
 
 static const struct report_column plan_columns[] = {
@@ -668,10 +688,13 @@ static bool has_bundles(const conus_report *report)
 static unsigned columns_there(const conus_report *report)
 {
     const bool has_weight = report->weight.form;
+    const struct report_needles *needles = &report->needles;
     return (report->selector.layers ? ONLY_LAYERS : 0u) | (report->atlas->is_moved ? ONLY_MOVED : 0u) |
            (has_weight ? ONLY_WEIGHT : 0u) | (report->prior.power > 0 ? ONLY_POSTERIOR : 0u) |
            (has_weight && (report->selector.layers || report->options.points) ? ONLY_DOSES : 0u) |
-           (has_bundles(report) ? ONLY_BUNDLES : 0u);
+           (has_bundles(report) ? ONLY_BUNDLES : 0u) |
+           (needles->count && needles->asked->cover_count ? ONLY_COVERS : 0u) |
+           (needles->count && needles->asked->arcs > 0 ? ONLY_ARCS : 0u);
 }
 
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,

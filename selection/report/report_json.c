@@ -555,10 +555,11 @@ static json_t *json_from_limit(uint64_t limit)
 /* null where there is none */
 static json_t *json_from_arcs(const conus_together_options *asked)
 {
-    return asked->arcs > 0 ? json_pack("{s: f, s: f, s: f, s: o, s: o}", "spacing_deg", asked->arcs, "slider_deg",
-                                       asked->slider, "same_deg", asked->same, "most",
-                                       json_from_limit(asked->arcs_most), "each", json_from_limit(asked->arcs_each))
-                           : json_null();
+    return asked->arcs > 0
+               ? json_pack("{s: f, s: f, s: f, s: o, s: o, s: f}", "spacing_deg", asked->arcs, "slider_deg",
+                           asked->slider, "same_deg", asked->same, "most", json_from_limit(asked->arcs_most), "each",
+                           json_from_limit(asked->arcs_each), "pitch_deg", asked->pitch)
+               : json_null();
 }
 
 /* null where there is none */

@@ -1,37 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The tables for people of plans: of poses, of their constraints, and of depths. */
+#include "base/text.h"
 #include "selection/report/parts.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 /* How tables for people call columns; others are called as they are, up to their units. */
 static const struct {
     const char *name, *title;
-} titles[] = {{"query", "candidate"}, {"far_mm", "depth"},      {"entry_angle_deg", "angle"},
-              {"leeway_of", "of"},    {"clearance_of", "from"}, {"clearance_at_mm", "at depth"},
-              {"broken", "breaks"},   {"depth_mm", "depth"},    {"p_ok", "p ok"}};
+} titles[] = {{"query", "candidate"},
+              {"far_mm", "depth"},
+              {"entry_angle_deg", "angle"},
+              {"tip_x", "tip x"},
+              {"tip_y", "tip y"},
+              {"tip_z", "tip z"},
+              {"arc1_deg", "arc"},
+              {"slider1_deg", "slider"},
+              {"leeway_of", "of"},
+              {"clearance_of", "from"},
+              {"clearance_at_mm", "at depth"},
+              {"broken", "breaks"},
+              {"depth_mm", "depth"},
+              {"p_ok", "p ok"}};
 
-/* Columns that the table of poses leaves out: -o FILE has them. */
-static bool is_left_out(const conus_report *report, const struct report_column *column)
+/* Their columns: of plans; of several needles together where they are, and how much room they have; of others all. */
+static const char ALL[] = "";
+static const char PLANS[] = "query/rank/broken/x/y/z/far_mm/entry_angle_deg/leeway_mm/clearance_mm/clearance_of/"
+                            "clearance_at_mm/score/p_ok";
+static const char PLACES[] = "needle/x/y/z/tip_x/tip_y/tip_z/arc_deg/slider_deg/arc1_deg/slider1_deg";
+static const char ROOM[] = "needle/row/query/broken/far_mm/entry_angle_deg/leeway_mm/clearance_mm/clearance_of/"
+                           "clearance_at_mm";
+
+/* Whether a table leaves a column out: -o FILE has it. */
+static bool is_left_out(const conus_report *report, const struct report_column *column, const char *table)
 {
-    static const char *const names[] = {"feasible", "entry", "target", "dx",        "dy",       "dz",
-                                        "tip_x",    "tip_y", "tip_z",  "leeway_of", "slack_mm", NULL};
-    static const char *const of_needles[] = {"combination", "proven",     "all_leeway_mm", "all_leeway_of",
-                                             "all_bound",   "all_sum_mm", "all_depth_mm",  "all_contacts",
-                                             "row",         NULL};
-    const bool are_needles = report->kind == ROWS_NEEDLES;
-    bool is = column->home == HOME_NEEDLE ||
-              (column->home == HOME_VERDICTS &&
-               (column->offset % sizeof(conus_verdict) == offsetof(conus_verdict, p) ||
-                report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)])));
-    for (size_t i = 0; names[i] && !is; i++) {
-        is = strcmp(names[i], column->name) == 0;
+    const struct report_needles *needles = &report->needles;
+    if (column->home == HOME_VERDICTS && table == PLANS) {
+        return column->offset % sizeof(conus_verdict) == offsetof(conus_verdict, p) ||
+               report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)]);
     }
-    for (size_t i = 0; are_needles && of_needles[i] && !is; i++) {
-        is = strcmp(of_needles[i], column->name) == 0;
-    }
-    return is && (are_needles || report->kind == ROWS_PLAN);
+    bool is_idle = (column->home == HOME_NEEDLE && needles->asked->arcs > 0) ||
+                   (strcmp(column->name, "row") == 0 && needles->question_count == needles->count);
+    return *table && (is_idle || !text_is_one_of(text_from(column->name), table, true));
 }
 
 enum { CELL_SIZE = 128 };
@@ -64,19 +76,36 @@ static bool read_line(char out[CELL_SIZE], const conus_report *report, const str
         } else if (cell.type == CELL_INTEGER) {
             snprintf(out, CELL_SIZE, "%llu", (unsigned long long)cell.integer);
         } else if (cell.type == CELL_NUMBER) {
-            snprintf(out, CELL_SIZE, "%.*f", digits, cell.number);
+            bool is_zero = fabs(cell.number) < 0.5 * pow(10, -digits); /* and not -0.00 */
+            snprintf(out, CELL_SIZE, "%.*f", digits, is_zero ? 0 : cell.number);
         }
         return cell.type != CELL_NONE;
     }
     return true;
 }
 
-/* "combination 1: leeway 3.19 mm (A/B), sum 47.2 mm; proven: ..." */
-static void write_combination(struct buffer *out, const conus_combination *combination, size_t number, bool has_covers)
+/* What of all needles together, which are given and hold each alone, is not as it was asked for. */
+static const char *broken_limit(const conus_together_options *asked, const conus_combination *combination)
 {
-    const char *others = number > 1 ? "no other one that differs enough from those before it" : "none";
+    for (size_t k = 0; k < asked->cover_count; k++) {
+        if (combination->covered[k] < asked->covers[k].contacts) {
+            return "these needles have too few contacts in covers";
+        }
+    }
+    return "these needles are on too many arcs, or too many on one arc";
+}
+
+/* "combination 1: leeway 3.19 mm (A/B), sum 47.2 mm", and on a line of its own "proven: ..." */
+static void write_combination(struct buffer *out, const struct report_needles *needles, size_t number)
+{
+    const conus_combination *combination = needles->combinations[number - 1];
+    const conus_conflict *conflict = needles->conflict;
+    const char *others = number > 1 ? "none that differs enough" : "none";
     if (!combination->feasible) {
-        buffer_text(out, "these needles break something\n");
+        buffer_format(out, "%s\n",
+                      conflict->by_limits    ? broken_limit(needles->asked, combination)
+                      : conflict->count == 1 ? "some needle breaks a constraint of its own"
+                                             : "these needles do not go together");
         return;
     }
     buffer_format(out, "%scombination %zu: ", number > 1 ? "\n" : "", number);
@@ -84,16 +113,59 @@ static void write_combination(struct buffer *out, const conus_combination *combi
         buffer_format(out, "leeway %.2f mm (%s), ", combination->leeway, combination->leeway_of);
     }
     buffer_format(out, "sum %.2f mm", combination->sum);
-    if (has_covers) {
+    if (needles->asked->cover_count) {
         buffer_format(out, ", %llu contacts in covers", (unsigned long long)combination->contacts);
     }
-    buffer_text(out, "; ");
     if (combination->proven) {
-        buffer_format(out, "proven: %s has a larger leeway, and with that a larger sum\n", others);
+        buffer_format(out, "\nproven: %s has a larger leeway, and with that a larger sum\n", others);
     } else if (combination->leeway_of) {
-        buffer_format(out, "not proven: %s has a leeway of more than %.2f mm\n", others, combination->bound);
+        buffer_format(out, "\nnot proven: %s has a leeway of more than %.2f mm\n", others, combination->bound);
     } else {
-        buffer_text(out, "not proven\n");
+        buffer_text(out, "\nnot proven\n");
+    }
+}
+
+static bool is_of_words(const struct report_column *column)
+{
+    return column->type == COLUMN_NAME || column->type == COLUMN_TEXT;
+}
+
+/* Cuts long words where a table is too wide for a terminal, the longest first. */
+static void fit_widths(int *widths, const struct report_columns *columns)
+{
+    enum { TERMINAL = 80, GAP = 2, WORD_LEAST = 12 };
+    for (bool is_cut = true; is_cut;) {
+        int all = -GAP;
+        size_t longest = 0;
+        int length = 0;
+        for (size_t c = 0; c < columns->count; c++) {
+            all += widths[c] ? widths[c] + GAP : 0;
+            if (is_of_words(columns->at[c]) && widths[c] > length) {
+                length = widths[c];
+                longest = c;
+            }
+        }
+        is_cut = all > TERMINAL && length > WORD_LEAST;
+        widths[longest] -= is_cut;
+    }
+}
+
+/* Finds how wide the columns of a table are; 0 = they are not in it. */
+static void find_widths(int *widths, const conus_report *report, const struct report_columns *columns,
+                        const char *table)
+{
+    char text[CELL_SIZE];
+    for (size_t c = 0; c < columns->count; c++) {
+        bool is_empty = true;
+        widths[c] = 0;
+        for (size_t i = 0; i < report->row_count + 2; i++) {
+            is_empty = !(read_line(text, report, columns->at[c], i) && i > 1) && is_empty;
+            widths[c] = table_wider(widths[c], text);
+        }
+        widths[c] = is_empty || is_left_out(report, columns->at[c], table) ? 0 : widths[c];
+    }
+    if (table == PLACES || table == ROOM) {
+        fit_widths(widths, columns);
     }
 }
 
@@ -104,7 +176,7 @@ static void write_line(struct buffer *out, const conus_report *report, const str
     char text[CELL_SIZE];
     const char *gap = "";
     for (size_t c = 0; c < columns->count; c++) {
-        bool is_name = columns->at[c]->type == COLUMN_NAME || columns->at[c]->type == COLUMN_TEXT;
+        const bool is_name = is_of_words(columns->at[c]);
         read_line(text, report, columns->at[c], line);
         if (widths[c]) {
             buffer_format(out, "%s%*s", gap, is_name ? 0 : widths[c] - table_wider(0, text), "");
@@ -118,11 +190,21 @@ static void write_line(struct buffer *out, const conus_report *report, const str
     buffer_text(out, "\n");
 }
 
+/* Writes the titles, and the rows from the line `first` on. */
+static void write_lines(struct buffer *out, const conus_report *report, const struct report_columns *columns,
+                        const int *widths, size_t first, size_t count)
+{
+    write_line(out, report, columns, widths, 0);
+    write_line(out, report, columns, widths, 1);
+    for (size_t i = 0; i < count; i++) {
+        write_line(out, report, columns, widths, first + i);
+    }
+}
+
 void report_write_plan(struct buffer *out, const conus_report *report)
 {
-    char text[CELL_SIZE];
-    int widths[REPORT_COLUMN_LIMIT];
-    size_t lines = report->row_count ? report->row_count + 2 : 0;
+    int widths[2][REPORT_COLUMN_LIMIT];
+    const struct report_needles *needles = &report->needles;
     struct report_columns columns;
     report_list_columns(&columns, report);
     if (report->kind == ROWS_PLAN) { /* the rank first */
@@ -130,30 +212,20 @@ void report_write_plan(struct buffer *out, const conus_report *report)
         columns.at[0] = columns.at[1];
         columns.at[1] = query;
     }
-    for (size_t c = 0; c < columns.count; c++) {
-        bool is_empty = true;
-        widths[c] = 0;
-        for (size_t i = 0; i < lines; i++) {
-            is_empty = !(read_line(text, report, columns.at[c], i) && i > 1) && is_empty;
-            widths[c] = table_wider(widths[c], text);
-        }
-        widths[c] = is_empty || is_left_out(report, columns.at[c]) ? 0 : widths[c];
+    find_widths(widths[0], report, &columns, needles->count ? PLACES : report->kind == ROWS_PLAN ? PLANS : ALL);
+    if (needles->count) {
+        find_widths(widths[1], report, &columns, ROOM);
+    } else if (report->row_count) {
+        write_lines(out, report, &columns, widths[0], 2, report->row_count);
     }
-    /* Of needles a table for each combination. */
-    size_t each = report->needles.count ? report->needles.count : lines;
-    for (size_t first = 2; first < lines; first += each) {
-        size_t n = report->rows[first - 2].planned.combination;
-        if (report->needles.count) {
-            write_combination(out, report->needles.combinations[n], n + 1, report->needles.asked->cover_count);
-        }
-        write_line(out, report, &columns, widths, 0);
-        write_line(out, report, &columns, widths, 1);
-        for (size_t i = first; i < lines && i < first + each; i++) {
-            write_line(out, report, &columns, widths, i);
-        }
+    for (size_t n = 0; n < needles->combination_count; n++) { /* of each a table of the places, and one of the room */
+        write_combination(out, needles, n + 1);
+        write_lines(out, report, &columns, widths[0], 2 + n * needles->count, needles->count);
+        buffer_text(out, "\n");
+        write_lines(out, report, &columns, widths[1], 2 + n * needles->count, needles->count);
     }
-    buffer_text(out, lines                        ? ""
-                     : report->needles.count == 0 ? "(no pose holds all constraints)\n"
-                                                  : "(no combination)\n");
+    buffer_text(out, report->row_count ? ""
+                     : !needles->count ? "(no pose holds all constraints)\n"
+                                       : "(no combination)\n");
     table_write_sources(out, report);
 }

@@ -52,11 +52,11 @@ column() {
     needles
     conus $N --between 1 -q -o plan.tsv --poses-out best.tsv
     for row in 2 3 4; do
-        name=$(sed -n "${row}p" plan.tsv | cut -f 9)
+        name=$(sed -n "${row}p" plan.tsv | cut -f 8)
         radius=$(sed -n "${row}p" needles.tsv | cut -f 3)
         { head -n 1 best.tsv; grep "^\"$name\"" best.tsv; } >alone.tsv
         conus plan u-shape.nii.gz --poses alone.tsv --reach U,length=2 ${radius:+--radius $radius} -q --force -o alone-plan.tsv
-        head -n 1 plan.tsv | tr '\t' '\n' | sed -n '13,$p' >names
+        head -n 1 plan.tsv | tr '\t' '\n' | sed -n '12,$p' >names
         [ "$(wc -l <names)" -gt 15 ]
         while read -r column; do
             [ "$(column "$column" alone-plan.tsv)" = "$(column "$column" plan.tsv | cut -d ' ' -f $((row - 1)))" ]
@@ -323,9 +323,48 @@ table() { # LINE...
     answers $N --arcs 20,slider=10 -q --format tsv
     [ "$(column proven <<<"$output")" = "1 1 1" ]
     conus $N --arcs 20,slider=10,most=3 -q -o plan.tsv
-    jq -e '.Plan.arcs == {spacing_deg: 20, slider_deg: 10, same_deg: 0.5, most: 3, each: null}' plan.json
+    jq -e '.Plan.arcs == {spacing_deg: 20, slider_deg: 10, same_deg: 0.5, most: 3, each: null, pitch_deg: 0}' plan.json
     jq -e '.Plan.rows | map(.arc) == ["1", "1", null]' plan.json
     conus verify plan.tsv
+    # of people's table each number is that of the rows, and it fits a terminal; the rig is pitched by 14 degrees
+    conus $N --arcs 20,slider=10,pitch=14 -q -o plan.tsv --force
+    not grep -q all_contacts plan.tsv
+    awk -F '\t' -v OFS='  ' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { printf "%s", $at["needle"]; split("arc_deg slider_deg x y z tip_x tip_y tip_z", names, " ")
+          for (i = 1; i <= 8; i++) { v = sprintf("%.2f", $at[names[i]]); printf " %s", v == "-0.00" ? "0.00" : v }
+          print "" }' plan.tsv >wanted
+    conus $N --arcs 20,slider=10,pitch=14 -q >people
+    grep -E '^[ABC] ' people | head -n 3 | tr -s ' ' | cmp - wanted
+    [ "$(head -n 3 wanted | cut -d ' ' -f 2,3 | tr '\n' ' ')" = "14.00 0.00 14.00 10.00 34.00 0.00 " ]
+    [ "$(wc -L <people)" -le 80 ]
+}
+
+@test "a plan that is given whole says what is amiss with it, and no more" {
+    needles
+    poses given 0 3 -3
+    sed -i 's/^given-0/A/; s/^given-3/B/; s/^given--3/C/' given.tsv
+    given="$N --given given.tsv -q"
+    run -0 --separate-stderr conus $given --contacts 4,1,2,1 --cover U,contacts=400
+    [[ "$output" == "these needles have too few contacts in covers"$'\n'"needle "* ]]
+    run -0 --separate-stderr conus $given --arcs 20,slider=1e-9,same=5,each=2
+    [[ "$output" == "these needles are on too many arcs, or too many on one arc"$'\n'* ]]
+    run -0 --separate-stderr conus $given --between 3
+    [[ "$output" == "these needles do not go together"$'\n'* ]]
+    run -0 --separate-stderr conus $given --length 30,40
+    [[ "$output" == "some needle breaks a constraint of its own"$'\n'* ]]
+}
+
+# Contacts of 2 mm, 1.5 mm apart, from the tip on: 10 of D08-10AM as 10 of 3.5 mm, the first at 1 mm.
+@test "electrodes are known by their names" {
+    needles
+    for electrode in D08-10AM=10,1,3.5,1 d08-18am=18,1,3.5,1 2102-16-091=16,1,3.5,1 2102-16-093=16,1,4.43,1; do
+        for contacts in ${electrode/=/ }; do
+            conus $N --contacts $contacts --cover U -q --force -o $contacts.tsv
+        done
+        cmp "${electrode%=*}.tsv" "${electrode#*=}.tsv"
+    done
+    fails 2 '--contacts: "D08-11AM" is not COUNT,COLUMNS,PITCH,TIP: two whole numbers from 1 on and two lengths in mm, nor an electrode' \
+        $N --contacts D08-11AM --cover U
 }
 
 @test "bad tables and options are refused with what is wrong" {
@@ -406,7 +445,6 @@ table() { # LINE...
     for key in slider=0 slider=181 same=0 most=0 most=17 most=1.5 each=0 each=x; do
         refused "${key%=*}: found \"${key#*=}\"" $N --arcs "16,$key"
     done
-    refused 'pitch has no effect without --arc-window or --from angles' $N --arcs 16,slider=3,pitch=14
     table 'needle' 'A'
     for grid in 'slider=0:0:1,back=3' 'arc=0:10:0,slider=0:0:1,back=3' 'arc=10:0:1,slider=0:0:1,back=3'; do
         refused '--from angles: arc=FIRST:LAST:STEP is needed' $N --from "angles,$grid" --toward centroid --depth target
@@ -440,7 +478,7 @@ table() { # LINE...
     refused '--diverse: 101: allowed are 0 to 100 mm' $N --top 2 --diverse 101
     refused '--diverse: in 2 needles, but there are 1' $N --top 2 --diverse 1,2
     for option in '--rank depth' '--infeasible' '--constraints c.tsv' '--tolerance t.tsv' '--jitter 1,1' '--score depth'; do
-        refused 'exclude each other' $N $option
+        refused "--needles and ${option%% *} exclude each other: combinations have the one order that is proven, " $N $option
     done
     printf 'query_id\tx\ty\tz\tdx\tdy\tdz\tfar\nZ\t40\t3\t5\t-1\t0\t0\t26\n' >given.tsv
     refused 'given.tsv:2: Z is no needle of needles.tsv' $N --given given.tsv

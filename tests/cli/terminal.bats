@@ -135,6 +135,24 @@ plain() {
     cmp plain.tsv query.tsv
 }
 
+# Five needles that hardly find room: a bound that never rises, and a best one that never falls.
+@test "a search for several needles shows the best so far and what none exceeds, and its tables fit" {
+    setup_nested
+    conus phantom u-shape -o .
+    for name in A B C D E; do
+        awk -v name=$name 'BEGIN { srand(index("ABCDE", name)); print "query_id\tx\ty\tz\tdx\tdy\tdz\tfar"
+            for (i = 0; i < 300; i++) print name i "\t40\t" 8 * rand() - 4 "\t" 2 + 6 * rand() "\t-1\t0\t0\t26" }' >$name.tsv
+    done
+    { echo needle,poses && printf '%s\n' A,A.tsv B,B.tsv C,C.tsv D,D.tsv E,E.tsv; } >needles.csv
+    on 80 "$CONUS" plan u-shape.nii.gz --needles needles.csv --reach U,length=2 --avoid Ball,margin=1 --between 2.6 \
+        --effort 2 --threads 1 >shown
+    tr '\r' '\n' <shown | sed -nE 's/.*\/s; combination 1: leeway ([0-9.]+) mm, at most ([0-9.]+)$/\1 \2/p' >steps
+    awk '$1 < best || $1 > $2 || (bound && $2 > bound) { print "line " NR; exit 1 } { best = $1; bound = $2 }
+        END { exit !NR }' steps || { cat steps; return 1; }
+    plain <shown | grep -A 3 '^combination 1: ' | grep -qE '^needle +x +y +z +tip x +tip y +tip z$'
+    not grep -q ' left out: ' shown
+}
+
 @test "where opening files took more than a second a note names conus pack; a pack has none" {
     [ -n "${CONUS_HOLD_OPEN-}" ] || skip "hold_open is built with the window"
     setup_nested

@@ -101,6 +101,9 @@ def test_windows_and_grids_count_from_the_pitch():
         rows = certificate.read_table("candidates.tsv")
         arc, slider = angles(-np.array([[float(row[name]) for name in ("dx", "dy", "dz")] for row in rows]))
         assert {(round(a + pitch, 6), round(m, 6) + 0.0) for a, m in zip(arc, slider)} <= {(a, m) for a in (10, 20) for m in (-10, 0)}
+        placed = certificate.read_table("plan.tsv")[0]
+        arc, slider = angles(-np.array([[float(placed[name]) for name in ("dx", "dy", "dz")]]))
+        assert np.allclose([float(placed["arc_deg"]), float(placed["slider_deg"])], [arc[0] + pitch, slider[0]], atol=1e-6)
         feasible = json.loads(pathlib.Path("plan.json").read_text())["Plan"]["rows"][0]["feasible"]
         assert feasible == 4
 
@@ -275,6 +278,6 @@ def test_python_covers_and_windows_as_the_program():
     for more, words in (({"cover": {"Cor": 3}}, "cover counts contacts"), ({"contacts": (12, 1, 2, 1)}, "no effect"),
                         ({"cover": {"Nix": 3}, "contacts": (12, 1, 2, 1)}, "Nix"), ({"cover": {"Cor": 0}, "contacts": (1, 1, 1, 1)}, "cover"),
                         ({"arc_window": (1, 2)}, "arc_window"), ({"arc_window": ((2, 1), (0, 1))}, "arc angle: 2 to 1"),
-                        ({"arcs": {"spacing": 9, "pitch": 3}}, "pitch has no effect")):
+                        ({"arcs": {"spacing": 9, "pitch": 181}}, "pitch: 181 degrees")):
         with pytest.raises(conus.ArgumentError, match=words):
             ask(**more)

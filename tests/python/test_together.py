@@ -88,7 +88,7 @@ def test_a_conflict_is_said(atlas):
 
 def test_what_is_not_allowed_is_refused(atlas):
     needles = {"A": {"poses": conus.read_poses("a.tsv")}}
-    for wrong, why in (({"between": -1}, "between"), ({"between": (1, 2, 3)}, "between"), ({"arcs": {"tilt": 3}}, "tilt"), ({"arcs": {"spacing": 9, "pitch": 3}}, "pitch"),
+    for wrong, why in (({"between": -1}, "between"), ({"between": (1, 2, 3)}, "between"), ({"arcs": {"tilt": 3}}, "tilt"), ({"arcs": {"spacing": 9, "pitch": 181}}, "pitch"),
                        ({"arcs": 0.5}, "arcs: same"), ({"top": 2}, "diverse"), ({"diverse": 1}, "diverse"), ({"top": 101}, "top"),
                        ({"effort": 0}, "effort"),
                        ({"effort": float("inf")}, "effort"), ({"arcs": 0}, "spacing: 0"), ({"arcs": {"most": 2}}, "spacing"),

@@ -1115,15 +1115,27 @@ static void a_run_is_cancelled(void **state)
     end_scene(&scene);
 }
 
-/* Ends the run once the search has told three times that nothing more was tried. */
+/* Ends the run once the search has told three times that nothing more was tried. What is said of it: a bound that never
+ * rises, of what is found. */
 struct patience {
     size_t done, calls;
+    conus_so_far so_far;
+    double bound;
 };
 
 static bool until_it_searches(void *user, size_t done, size_t total)
 {
     struct patience *patience = user;
+    const conus_so_far *so_far = &patience->so_far;
     (void)total;
+    if (so_far->combination) {
+        assert_int_equal(so_far->combination, 1);
+        assert_true(isnan(so_far->leeway) || so_far->leeway <= so_far->bound);
+        assert_true(so_far->bound <= patience->bound);
+        patience->bound = so_far->bound;
+    } else {
+        assert_true(isnan(so_far->leeway) && isnan(so_far->bound));
+    }
     patience->calls = done == patience->done ? patience->calls + 1 : 0;
     patience->done = done;
     return patience->calls < 3;
@@ -1142,15 +1154,19 @@ static void a_search_that_is_cancelled_has_an_answer(void **state)
         snprintf(name, sizeof name, "packed-%zu.tsv", i);
         write_random(&scene.candidates[i], name, 500, &seed, false);
     }
-    struct patience patience = {0};
-    const conus_together_options options = {
-        .between = 2.6, .effort = UINT64_MAX, .progress = until_it_searches, .progress_user = &patience};
+    struct patience patience = {.bound = INFINITY};
+    const conus_together_options options = {.between = 2.6,
+                                            .effort = UINT64_MAX,
+                                            .progress = until_it_searches,
+                                            .progress_user = &patience,
+                                            .so_far = &patience.so_far};
     conus_together *together = NULL;
     assert_ok(conus_plan_together(&together, scene.needles, NEEDLES, &options));
     const conus_combination *combination = conus_together_combination(together, 0);
     assert_non_null(combination);
     assert_true(combination->feasible && !combination->proven);
     assert_true(combination->bound >= combination->leeway);
+    assert_true(combination->leeway >= patience.so_far.leeway && combination->bound <= patience.bound + 1e-9);
     assert_null(conus_together_conflict(together));
     conus_together_destroy(together);
     end_scene(&scene);
