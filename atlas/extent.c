@@ -8,52 +8,62 @@
 
 #include <string.h>
 
-enum { AT_ONCE = 32 };
-
-/* Whether any of AT_ONCE voxels from `first` on may hold an object; without a branch for each. */
-static bool is_occupied(const struct volume *volume, size_t first)
+/* Whether any of `count` voxels from `first` on may hold an object; without a branch for each. */
+static inline bool is_occupied(const struct volume *volume, size_t first, size_t count)
 {
-    uint32_t any = 0;
+    uint16_t any16 = 0;
+    uint32_t any32 = 0;
     if (volume->objects16) {
-        for (size_t v = first; v < first + AT_ONCE; v++) {
-            any |= volume->objects16[v];
+        for (size_t v = first; v < first + count; v++) {
+            any16 |= volume->objects16[v];
         }
     } else if (volume->objects32) {
-        for (size_t v = first; v < first + AT_ONCE; v++) {
-            any |= volume->objects32[v];
+        for (size_t v = first; v < first + count; v++) {
+            any32 |= volume->objects32[v];
         }
     } else {
-        return volume_next(volume, first) < first + AT_ONCE;
+        return volume_next(volume, first) < first + count;
     }
-    return any;
+    return any16 || any32;
 }
 
-/* The first and last voxel with an object, from `from` to before `to`; false if there is none. */
-static bool find_ends(size_t *first, size_t *last, const struct volume *volume, size_t from, size_t to)
+/* The first and last voxel with an object of a row that is_occupied(), which begins at voxel `start`; false if there is
+ * none. */
+static bool find_ends(size_t ends[2], const struct volume *volume, size_t start)
 {
-    while (from + AT_ONCE <= to && !is_occupied(volume, from)) {
-        from += AT_ONCE;
+    const size_t dim = volume->info.dim[0];
+    ends[0] = volume_next(volume, start) - start;
+    ends[1] = dim - 1;
+    while (ends[0] < dim && !volume_object(volume, start + ends[0])) {
+        ends[0]++;
     }
-    while (from < to && !volume_object(volume, from)) {
-        from++;
+    while (ends[0] < ends[1] && !volume_object(volume, start + ends[1])) {
+        ends[1]--;
     }
-    while (from + AT_ONCE <= to && !is_occupied(volume, to - AT_ONCE)) {
-        to -= AT_ONCE;
-    }
-    while (from < to && !volume_object(volume, to - 1)) {
-        to--;
-    }
-    *first = from;
-    *last = to - 1;
-    return from < to;
+    return ends[0] < dim;
+}
+
+static void find_centre(double out[3], const double m[16], size_t i, size_t j, size_t k)
+{
+    mat4_point(out, m, (const double[3]){(double)i, (double)j, (double)k});
+}
+
+static bool has_centre(const struct box3 *box, const double m[16], size_t i, size_t j, size_t k)
+{
+    double p[3];
+    find_centre(p, m, i, j, k);
+    return p[0] >= box->low[0] && p[0] <= box->high[0] && p[1] >= box->low[1] && p[1] <= box->high[1] &&
+           p[2] >= box->low[2] && p[2] <= box->high[2];
 }
 
 /* The box around the centres of all voxels with an object, which `m` maps from their indices: along a row a coordinate
- * is extreme at one of the ends. */
+ * is extreme at one of the ends, rounded or not. So a row adds nothing that has no object but between two voxels in the
+ * box. */
 static struct box3 find_centres(const struct volume *volume, const double m[16])
 {
     const size_t *dim = volume->info.dim;
     struct box3 box = box3_empty();
+    size_t widest[2] = {SIZE_MAX, 0}; /* round the ends of all rows so far */
     for (size_t row = 0; row < dim[1] * dim[2]; row++) {
         size_t ends[2];
         size_t start = row * dim[0];
@@ -62,13 +72,17 @@ static struct box3 find_centres(const struct volume *volume, const double m[16])
         const struct object_box *in = &volume->box;
         bool is_out =
             volume->step_count && (j < in->first[1] || j > in->last[1] || k < in->first[2] || k > in->last[2]);
-        if (!is_out && find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
+        is_out = is_out || (has_centre(&box, m, widest[0], j, k) && has_centre(&box, m, widest[1], j, k) &&
+                            !is_occupied(volume, start, widest[0]) &&
+                            !is_occupied(volume, start + widest[1] + 1, dim[0] - 1 - widest[1]));
+        if (!is_out && is_occupied(volume, start, dim[0]) && find_ends(ends, volume, start)) {
             for (int end = 0; end < 2; end++) {
-                const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
                 double centre[3];
-                mat4_point(centre, m, index);
+                find_centre(centre, m, ends[end], j, k);
                 box3_add(&box, centre);
             }
+            widest[0] = ends[0] < widest[0] ? ends[0] : widest[0];
+            widest[1] = ends[1] > widest[1] ? ends[1] : widest[1];
         }
     }
     return box;

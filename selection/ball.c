@@ -152,10 +152,8 @@ static conus_status measure_box(double *far, double *diagonal, conus_selector *s
     double edges[3];
     const double *low = selector->box[0];
     const double *high = selector->box[1];
-    conus_status status =
-        selector->has_box ? CONUS_OK : conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas);
+    conus_status status = selector_prepare_box(selector);
     if (!status) {
-        selector->has_box = true;
         for (int a = 0; a < 3; a++) {
             farthest[a] = fmax(fabs(centre[a] - low[a]), fabs(centre[a] - high[a]));
         }

@@ -7,6 +7,14 @@
 
 #include <string.h>
 
+conus_status selector_prepare_box(conus_selector *selector)
+{
+    conus_status status =
+        selector->has_box ? CONUS_OK : conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas);
+    selector->has_box = !status;
+    return status;
+}
+
 conus_status selector_prepare_border(conus_selector *selector)
 {
     if (!selector->ranking.needs_border) {
@@ -27,7 +35,7 @@ conus_status selector_prepare_ranking(conus_selector *selector)
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs all layers", selector->ranking.formula.text);
     }
     if (selector->ranking.needs_box) { /* of an empty atlas it stays 0: nothing is hit */
-        selector->has_box = !conus_atlas_bounds(selector->box[0], selector->box[1], selector->atlas);
+        (void)selector_prepare_box(selector);
     }
     return selector_prepare_border(selector);
 }

@@ -70,8 +70,8 @@ struct conus_selector {
     double degrees, slope;          /**< The last question's angle, which most have, and the tangent of its half. */
     struct ranking ranking;
     bool *on_border;  /**< [object_count + 1] All false between rankings; NULL unless ranking.needs_border. */
-    double box[2][3]; /**< Around the areas and pathways, world: where ranking.needs_box (0 of an empty atlas), and */
-    bool has_box;     /**< once a point lies in nothing. */
+    double box[2][3]; /**< Around the areas and pathways, world; 0 of an empty atlas. */
+    bool has_box;     /**< Once selector_prepare_box() found one. */
     struct level *level;
     char *level_spec; /**< NULL = none. */
     struct engine *engine;
@@ -107,6 +107,9 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
 /** Whether the object's mesh lies in the mesh of an area above it that is reported as the same one, or if @p of_any as
  * any one. */
 bool selector_lies_in_mesh(const conus_selector *selector, uint32_t number, bool of_any);
+
+/** Makes selector->box ready, unless it is. Before selectors are shared, theirs is made once. */
+conus_status selector_prepare_box(conus_selector *selector);
 
 /** Makes selector->axis ready, unless it is. Before selectors are shared, theirs is made once. */
 conus_status selector_prepare_axis(conus_selector *selector);

@@ -281,14 +281,15 @@ void table_add_comma(struct table *table, struct text cell)
 
 enum { NUMBERS = 3 }; /* of a row, at least */
 
-/* How many lines have the most frequent number of cells, with three numbers among them. */
-static size_t count_rows(struct table *table, struct text head)
+/* How many lines have the most frequent number of cells, with three numbers among them; perhaps fewer once it is sure
+ * that no more than `most` have. Takes from `left`, of which there are at least as many, the lines that were read. */
+static size_t count_rows(struct table *table, struct text head, size_t *left, size_t most)
 {
     uint16_t rows[TABLE_CELLS + 1] = {0};
     struct table_line line;
     struct text text;
     table->cells = table->first = 0;
-    while (table_next_line(&head, &text, NULL)) {
+    for (; rows[table->cells] + *left > most && table_next_line(&head, &text, NULL); --*left) {
         if (table_split(&line, table, text) && table_numbers(&line) >= NUMBERS &&
             ++rows[line.count] > rows[table->cells]) {
             table->cells = line.count;
@@ -304,8 +305,9 @@ static void look_at_rows(struct table *table, struct text head)
     struct text text;
     bool has_decimal = false;
     bool has_thousands = false;
+    const bool has_commas = head.size && memchr(head.data, ',', head.size);
     size_t number = 0;
-    while (table->cells && table_next_line(&head, &text, &number)) {
+    while (table->cells && (has_commas || !table->first) && table_next_line(&head, &text, &number)) {
         if (!table_split(&line, table, text) || table_numbers(&line) < NUMBERS) {
             continue;
         }
@@ -325,6 +327,7 @@ void table_decide(struct table *out, struct text head)
     struct table best = {.separator = TABLE_TABS};
     struct text line;
     struct text rest = head;
+    size_t lines = head.size; /* at most */
     size_t most = 0;
     char mark = 0;
     bool is_said = text_line(&rest, &line) && is_separator_line(text_trim(line), &mark);
@@ -333,7 +336,10 @@ void table_decide(struct table *out, struct text head)
         if (is_said && (marks[separator] != mark || separator == TABLE_BLANKS)) {
             continue;
         }
-        size_t rows = count_rows(&table, head);
+        bool is_one_cell = separator < TABLE_BLANKS && lines && !memchr(head.data, marks[separator], head.size);
+        size_t left = lines;
+        size_t rows = is_one_cell ? 0 : count_rows(&table, head, &left, most);
+        lines -= is_one_cell || most ? 0 : left;
         if (rows > most || (is_said && !most)) {
             best = table;
             most = rows;

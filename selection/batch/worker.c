@@ -41,6 +41,7 @@ conus_status batch_worker_init(struct batch_worker *out, conus_selector *selecto
 {
     *out = (struct batch_worker){.angle = angle, .points = points, .at_once = selections_at_once(selector)};
     out->at_once = out->at_once < block ? out->at_once : block;
+    (void)selector_prepare_box(selector); /* for all workers; an empty atlas has none */
     conus_status status = selector_share(&out->selector, selector);
     out->begun = status ? NULL : memory_zeroed(out->at_once, sizeof(conus_selection *));
     if (!out->begun) {

@@ -160,8 +160,10 @@ static uint32_t object_around(const conus_selector *selector, const struct cone 
 
 void pose_check_init(struct conus_pose_check *out, const conus_selector *selector)
 {
-    *out = (struct conus_pose_check){.selector = selector};
-    out->has_box = conus_atlas_bounds(out->low, out->high, selector->atlas) == CONUS_OK;
+    *out = (struct conus_pose_check){.selector = selector, .has_box = selector->has_box};
+    memcpy(out->low, selector->box[0], sizeof out->low);
+    memcpy(out->high, selector->box[1], sizeof out->high);
+    out->has_box = out->has_box || conus_atlas_bounds(out->low, out->high, selector->atlas) == CONUS_OK;
 }
 
 conus_status conus_pose_check_create(conus_pose_check **out, const conus_selector *selector)

@@ -148,11 +148,10 @@ static conus_pose_options pose_options(const struct task *task)
 }
 
 /* Opens the poses, from their beginning. */
-static int open_stream(struct task *task)
+static int open_stream(struct task *task, const conus_pose_options *options)
 {
-    const conus_pose_options options = pose_options(task);
     conus_pose_stream *poses = NULL;
-    conus_status status = conus_pose_stream_open(&poses, task->settings->poses, &options);
+    conus_status status = conus_pose_stream_open(&poses, task->settings->poses, options);
     if (status) {
         return pose_settings_print_error(status, task->settings->poses, "poses", task->arguments);
     }
@@ -187,7 +186,8 @@ static int open_poses(struct task *task)
     }
     task->marks.names = task->kept.at;
     task->marks.count = task->kept.count;
-    int code = open_stream(task);
+    const conus_pose_options options = pose_options(task);
+    int code = open_stream(task, &options);
     code = code ? code : probe_settings_load(&task->probe, &settings->probe, settings->atlas.max_memory);
     if (!code && task->probe && conus_probe_count(task->probe) != 1) {
         code =
@@ -197,7 +197,6 @@ static int open_poses(struct task *task)
     code =
         code ? code
              : pose_settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
-    const conus_pose_options options = pose_options(task);
     code = code ? code : pose_settings_mark_stream(&task->marks, task->poses, settings->poses, task->piped, &options);
     if (!code && settings->part.count > 1) {
         code = print_status(conus_pose_stream_count(&task->total, task->poses));
@@ -735,8 +734,9 @@ static int answer_file(struct task *task)
 static int turn_to(struct task *task, struct shard shard)
 {
     static const struct common_settings quiet = {.quiet = true}; /* it was all said */
+    const conus_pose_options options = pose_options(task);
     int code = name_file(task, shard);
-    code = code ? code : open_stream(task);
+    code = code ? code : open_stream(task, &options);
     code = code ? code : match_stream(task, &quiet);
     code = code ? code : create_batch(task);
     find_range(task);
