@@ -6,7 +6,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdio.h>
