@@ -540,8 +540,7 @@ static conus_status make_jitter(void *data)
     const conus_jitter_options options = {.shift = 1, .tilt = 1, .samples = 16};
     conus_selector *selector = NULL;
     conus_table *jitter = NULL;
-    conus_status status =
-        conus_selector_create(&selector, data, &(conus_selector_options){.layers = CONUS_LAYERS_ALL});
+    conus_status status = conus_selector_create(&selector, data, &(conus_selector_options){.layers = CONUS_LAYERS_ALL});
     status = status ? status : conus_jitter(&jitter, selector, &pose, 10, &options);
     assert_true(!status == (jitter != NULL));
     conus_table_destroy(jitter);
