@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the numbers of a position as people paste them: first pieces and what joins them, then what a comma is. */
-#include "base/numbers.h"
+#include "base/text.h"
 
 #include <math.h>
 

@@ -32,7 +32,7 @@ function(conus_embed_shaders target)
     get_filename_component(name "${path}" NAME)
     string(REGEX REPLACE "\\.glsl$" "" name "${name}")
     string(MAKE_C_IDENTIFIER "shader_${name}" symbol)
-    conus_embed(${target} "${CMAKE_CURRENT_SOURCE_DIR}/${path}" render/gl/shaders.h char ${symbol})
+    conus_embed(${target} "${CMAKE_CURRENT_SOURCE_DIR}/${path}" render/gl/gl.h char ${symbol})
   endforeach()
 endfunction()
 

@@ -7,7 +7,7 @@
 #include "loaders/maps/maps.h"
 #include "loaders/scene/scene.h"
 #include "pack/pack.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <stdio.h>
 #include <string.h>

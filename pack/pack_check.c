@@ -19,7 +19,7 @@ static conus_status refuse(const char *what, size_t index, const char *why)
 
 /* The numbers that a volume's voxels may have beside 0: those of objects with their place in it, or of a context
  * VOLUME_BLOCKER. */
-struct numbers {
+struct numbering {
     const struct volume *volume;
     uint32_t first, last; /* none: first above last */
     bool *are_allowed;    /* [from first to last]; NULL = all of these */
@@ -32,11 +32,11 @@ static bool is_in(const conus_atlas *atlas, size_t object, size_t index)
 }
 
 /* CONUS_ERROR_MEMORY. memory_free() are_allowed. */
-static conus_status find_numbers(struct numbers *out, const conus_atlas *atlas, size_t index)
+static conus_status find_numbers(struct numbering *out, const conus_atlas *atlas, size_t index)
 {
     const bool is_context = atlas->volumes[index].info.role == CONUS_ROLE_CONTEXT;
     size_t count = 0;
-    *out = (struct numbers){.volume = &atlas->volumes[index], .first = UINT32_MAX};
+    *out = (struct numbering){.volume = &atlas->volumes[index], .first = UINT32_MAX};
     for (size_t i = 0; i < atlas->object_count; i++) {
         if (is_in(atlas, i, index)) {
             out->first = count++ ? out->first : (uint32_t)i + 1;
@@ -58,7 +58,7 @@ static conus_status find_numbers(struct numbers *out, const conus_atlas *atlas, 
     return out->are_allowed ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static bool is_allowed(const struct numbers *numbers, uint32_t number)
+static bool is_allowed(const struct numbering *numbers, uint32_t number)
 {
     return number >= numbers->first && number <= numbers->last &&
            (!numbers->are_allowed || numbers->are_allowed[number - numbers->first]);
@@ -81,7 +81,7 @@ static bool are_between(const uint16_t *numbers, size_t count, uint16_t first, u
 
 static bool numbers_are_sound(const void *user, size_t from, size_t to)
 {
-    const struct numbers *numbers = user;
+    const struct numbering *numbers = user;
     const struct volume *volume = numbers->volume;
     const uint32_t limit = volume->objects16 ? UINT16_MAX : UINT32_MAX;
     const bool is_one = numbers->first <= numbers->last && numbers->first <= limit; /* else all are 0 */
@@ -134,7 +134,7 @@ static bool centres_are_sound(const struct volume *volume)
     return sound;
 }
 
-static bool steps_are_sound(const struct numbers *numbers)
+static bool steps_are_sound(const struct numbering *numbers)
 {
     const struct volume *volume = numbers->volume;
     bool sound = volume->hidden_runs || !volume->hidden_run_count;
@@ -172,7 +172,7 @@ static conus_status check_volume(const conus_atlas *atlas, size_t index)
 {
     const struct volume *volume = &atlas->volumes[index];
     const bool is_context = volume->info.role == CONUS_ROLE_CONTEXT;
-    struct numbers numbers;
+    struct numbering numbers;
     static const char what[] = "volume";
     const bool is_late = index && atlas->volumes[index - 1].info.role != CONUS_ROLE_PARCELLATION;
     if (!has_arrays(volume) || !volume->path || (is_late && volume->info.role == CONUS_ROLE_PARCELLATION) ||

@@ -455,7 +455,7 @@ static conus_status note_extent(conus_pose_stream *stream, struct notes *notes)
         return CONUS_OK;
     }
     /* Says that they are in mm; "" if none does. */
-    const char *source = path_base(conus_pose_list_coordsystem(&stream->list));
+    const char *source = path_base(conus_pose_list_facts(&stream->list).coordsystem);
     return notes_warn(notes, "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,
                       source[0] ? " says" : "");
@@ -1025,19 +1025,25 @@ conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
     return fail_of(stream, status);
 }
 
-const char *conus_pose_stream_format(const conus_pose_stream *stream)
+conus_pose_facts conus_pose_stream_facts(const conus_pose_stream *stream)
 {
-    return formats[stream->format].name;
-}
-
-const char *conus_pose_stream_space(const conus_pose_stream *stream)
-{
-    return stream ? stream->list.space.name : "";
-}
-
-bool conus_pose_stream_is_live(const conus_pose_stream *stream)
-{
-    return stream->stop.file >= 0 && !is_read_whole(stream);
+    conus_pose_facts facts = conus_pose_list_facts(stream ? &stream->list : NULL);
+    if (stream) {
+        const struct columns *columns = &stream->columns;
+        const bool is_whole = is_read_whole(stream);
+        facts.format = formats[stream->format].name;
+        facts.head = is_whole ? &stream->list : &stream->head;
+        facts.is_live = stream->stop.file >= 0 && !is_whole;
+        facts.has_times = is_whole ? stream->list.count == 0 || stream->whole.has_times : columns->has[ROLE_TIME];
+        facts.has_angles = stream->options.aperture > 0 || stream->whole.has_angles ||
+                           (columns->has[ROLE_ANGLE] && !columns->is_of_points);
+        facts.has_ranges = stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
+                           columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH] ||
+                           stream->whole.has_ranges;
+        facts.has_radii = columns->has[ROLE_RADIUS];
+        facts.has_points = is_whole ? stream->whole.has_points : columns->is_of_points && !stream->options.inward;
+    }
+    return facts;
 }
 
 void conus_pose_stream_stop(conus_pose_stream *stream)
@@ -1045,11 +1051,6 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
     if (stream->stop.file >= 0) {
         system_wake(&stream->stop);
     }
-}
-
-bool conus_pose_stream_has_times(const conus_pose_stream *stream)
-{
-    return is_read_whole(stream) ? stream->list.count == 0 || stream->whole.has_times : stream->columns.has[ROLE_TIME];
 }
 
 bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
@@ -1067,39 +1068,6 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
     return repeated;
 }
 
-bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
-{
-    return stream->options.aperture > 0 || stream->whole.has_angles ||
-           (stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points);
-}
-
-bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
-{
-    const struct columns *columns = &stream->columns;
-    return stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
-           columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH] || stream->whole.has_ranges;
-}
-
-bool conus_pose_stream_has_radii(const conus_pose_stream *stream)
-{
-    return stream->columns.has[ROLE_RADIUS];
-}
-
-bool conus_pose_stream_has_points(const conus_pose_stream *stream)
-{
-    return is_read_whole(stream) ? stream->whole.has_points : stream->columns.is_of_points && !stream->options.inward;
-}
-
-const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream)
-{
-    return is_read_whole(stream) ? &stream->list : &stream->head;
-}
-
-const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
-{
-    return conus_pose_list_electrodes(&stream->list);
-}
-
 uint64_t pose_stream_position(const conus_pose_stream *stream)
 {
     return stream->taken;
@@ -1108,16 +1076,6 @@ uint64_t pose_stream_position(const conus_pose_stream *stream)
 size_t pose_stream_kept_count(const conus_pose_stream *stream)
 {
     return stream->options.keep_count;
-}
-
-const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
-{
-    return stream ? conus_pose_list_coordsystem(&stream->list) : "";
-}
-
-const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream)
-{
-    return stream ? stream->list.coordsystem_sha256 : "";
 }
 
 conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream)

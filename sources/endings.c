@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of endings. */
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include "base/path.h"
 

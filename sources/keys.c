@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of keys behind a file, and the one way to cut them off. */
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include "base/system/system.h"
 

@@ -5,12 +5,11 @@
 #define CONUS_SOURCES_SOURCE_H
 
 #include "base/files/file.h"
-#include "base/job/reader.h"
+#include "base/job/job.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "base/threads.h"
-#include "sources/endings.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 /* The formats of files that conus meets: a row each, with what a file may be given as, by its first bytes or by the
  * ending of its name. */

@@ -420,7 +420,7 @@ static conus_status start_query(struct query_run *run)
     report.contacts = run->contacts;
     report.probe = run->probe;
     report.placed = settings->coordsystem;
-    report.electrodes = format_is(request->format, "bids") ? conus_pose_list_electrodes(request->poses) : NULL;
+    report.electrodes = format_is(request->format, "bids") ? conus_pose_list_facts(request->poses).electrodes : NULL;
     return request_reports(request, &report);
 }
 
@@ -633,7 +633,8 @@ static int load_poses(void *user)
         code = check_poses(run);
     }
     return code ? code
-                : pose_settings_check_electrodes(request->format, conus_pose_list_electrodes(request->poses), poses);
+                : pose_settings_check_electrodes(request->format, conus_pose_list_facts(request->poses).electrodes,
+                                                 poses);
 }
 
 static int answer_query(struct query_run *run)
@@ -661,7 +662,7 @@ static int answer_query(struct query_run *run)
     code = code ? code
                 : settings_understood(run->understood, &request->places, &request->settings->aim,
                                       &request->settings->engine, run->is_of_points && !run->probe, run->has_radii,
-                                      request->poses ? conus_pose_list_space(request->poses) : "");
+                                      conus_pose_list_facts(request->poses).space);
     if (code) {
         return code;
     }

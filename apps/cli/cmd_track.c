@@ -203,7 +203,7 @@ static int answer_station(struct track *track)
  * it brought is kept; a file is another matter: half of its steps are no answer. */
 static int answer_all(struct track *track)
 {
-    if (conus_pose_stream_is_live(track->request.stream)) {
+    if (conus_pose_stream_facts(track->request.stream).is_live) {
         interrupt_catch(track->request.stream);
     }
     size_t count = 0;
@@ -273,7 +273,7 @@ static int open_poses(void *user)
     }
     const conus_pose_options options = request_pose_options(request);
     conus_status status = conus_pose_stream_open(&request->stream, path, &options);
-    if (!status && !conus_pose_stream_has_times(request->stream)) {
+    if (!status && !conus_pose_stream_facts(request->stream).has_times) {
         return print_data_error("%s: no time_s in it, which every step needs", pose_settings_file_name(path));
     }
     return status ? pose_settings_print_error(status, path, "poses", request->arguments) : EXIT_DONE;

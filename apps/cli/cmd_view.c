@@ -7,7 +7,7 @@
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <errno.h>
 #include <stdio.h>

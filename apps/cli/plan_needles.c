@@ -10,7 +10,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/progress.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -69,8 +69,8 @@ void request_finish(struct request *request)
 
 static const char *coordinates_of(const struct request *request)
 {
-    return request->poses ? conus_pose_list_coordsystem(request->poses)
-                          : conus_pose_stream_coordsystem(request->stream);
+    return (request->poses ? conus_pose_list_facts(request->poses) : conus_pose_stream_facts(request->stream))
+        .coordsystem;
 }
 
 int request_check_outputs(const struct request *request)

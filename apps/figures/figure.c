@@ -20,7 +20,7 @@ static const char *const styles[] = {"auto", "screen", "print", NULL};
 /* In the orders of conus_side, after the first, and conus_legend. */
 static const char *const sides[] = {"auto", "cone",   "left",   "right",  "front", "back",
                                     "top",  "bottom", "beside", "across", NULL};
-const char *const figure_legends[] = {"auto", "right", "below", "none", NULL};
+static const char *const legends[] = {"auto", "right", "below", "none", NULL};
 
 const struct option figure_options[] = {
     {OPTION_VALUED("style", struct figure_settings, style, "STYLE"),
@@ -48,7 +48,7 @@ const struct option figure_options[] = {
     {OPTION_VALUED("legend", struct figure_settings, legend, "WHERE"),
      .help = "where the legend is: auto is right of a picture that is wide enough, else below; without a cone it names "
              "what is drawn:",
-     .choices = figure_legends, .excludes = "no-legend"},
+     .choices = legends, .excludes = "no-legend"},
     {OPTION_VALUED("legend-rows", struct figure_settings, legend_rows, "N"),
      .help = "of the objects in the legend only the first N, and a row that counts the others",
      .otherwise = "12, of probes all", .low = 1, .high = UINT32_MAX, .excludes = "no-legend"},

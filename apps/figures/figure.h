@@ -19,9 +19,6 @@ struct figure_settings {
     const char *streamline_colour; /**< As in conus_renderer_options. */
 };
 
-/** Names of conus_legend, in its order, then NULL. */
-extern const char *const figure_legends[];
-
 extern const struct option figure_options[];
 
 /** Whether the options go together, and the background is one; prints an error if not. */

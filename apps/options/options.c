@@ -8,7 +8,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <assert.h>
 #include <ctype.h>

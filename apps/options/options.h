@@ -4,7 +4,7 @@
 #ifndef CONUS_OPTIONS_OPTIONS_H
 #define CONUS_OPTIONS_OPTIONS_H
 
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -296,8 +296,9 @@ static bool add_files(json_t *root, const struct provenance *provenance)
     }
     if (provenance->poses) {
         json_t *settings = json_object_get(root, "Settings");
-        json_object_set_new(settings, "own_angles", json_boolean(conus_pose_stream_has_angles(provenance->poses)));
-        if (conus_pose_stream_has_ranges(provenance->poses)) {
+        const conus_pose_facts facts = conus_pose_stream_facts(provenance->poses);
+        json_object_set_new(settings, "own_angles", json_boolean(facts.has_angles));
+        if (facts.has_ranges) {
             json_object_set_new(settings, "own_ranges", json_true());
         }
     }

@@ -9,8 +9,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/progress.h"
-#include "sources/endings.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -272,7 +272,7 @@ static int find_repeated(bool *out, const char *path, const conus_pose_options *
 int pose_settings_mark_stream(conus_row_marks *out, const conus_pose_stream *poses, const char *path, bool piped,
                               const conus_pose_options *options)
 {
-    out->has_time = conus_pose_stream_has_times(poses);
+    out->has_time = conus_pose_stream_facts(poses).has_times;
     out->has_number = out->has_time || conus_pose_stream_may_repeat_ids(poses);
     return out->has_number && !out->has_time && !piped ? find_repeated(&out->has_number, path, options) : EXIT_DONE;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node pack.mjs FOLDER_OF_CONUS PAGE_FOLDER OUT.html: makes one file of the page, its worker and conus.
 // The names in braces in page.html are replaced, {{form}} by fields of the rows of options; the policy (CSP) allows this code, by its hash, and no network. So are
-// the names of base/look.h and base/look_sizes.h, LOOK_NAME, in the style and in texts of main.js; two hexadecimal
-// digits behind a colour are its opacity.
+// the names of base/look.h, LOOK_NAME, in the style and in texts of main.js; two hexadecimal digits behind a colour are
+// its opacity.
 import { execFileSync } from "node:child_process";
 import crypto from "node:crypto";
 import fs from "node:fs";
@@ -17,13 +17,11 @@ const packed = (data) => execFileSync("gzip", ["-9nc"], { input: data, maxBuffer
 const hash = (text) => `'sha256-${crypto.createHash("sha256").update(text).digest("base64")}'`;
 
 const look = new Map();
-for (const name of ["look.h", "look_sizes.h"]) {
-  const text = fs.readFileSync(path.join(folder, "../../../base", name), "utf8");
-  for (const [, key, hex] of text.matchAll(/^ +(LOOK_\w+) = 0x(\w{6}),/gm)) look.set(key, `#${hex.toLowerCase()}`);
-  for (const [, key, size] of text.matchAll(/^ +(LOOK_\w+) = (\d+),/gm)) look.set(key, `${size}px`);
-  for (const [, key, dark, light] of text.matchAll(/ITEM\((\w+), 0x(\w{6}), 0x(\w{6})\)/g)) {
-    look.set(`LOOK_DARK_${key}`, `#${dark.toLowerCase()}`).set(`LOOK_LIGHT_${key}`, `#${light.toLowerCase()}`);
-  }
+const rows = fs.readFileSync(path.join(folder, "../../../base/look.h"), "utf8");
+for (const [, key, hex] of rows.matchAll(/^ +(LOOK_\w+) = 0x(\w{6}),/gm)) look.set(key, `#${hex.toLowerCase()}`);
+for (const [, key, size] of rows.matchAll(/^ +(LOOK_\w+) = (\d+),/gm)) look.set(key, `${size}px`);
+for (const [, key, dark, light] of rows.matchAll(/ITEM\((\w+), 0x(\w{6}), 0x(\w{6})\)/g)) {
+  look.set(`LOOK_DARK_${key}`, `#${dark.toLowerCase()}`).set(`LOOK_LIGHT_${key}`, `#${light.toLowerCase()}`);
 }
 const withLook = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!_)/g, (all, name, opacity) => {
   if (look.has(all)) return look.get(all);

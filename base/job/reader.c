@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Bytes out of memory, files and gzip, block by block. */
-#include "base/job/reader.h"
+#include "base/job/job.h"
 
 #include "base/byte_order.h"
 #include "base/memory.h"

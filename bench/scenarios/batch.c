@@ -6,7 +6,8 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
+#include "selection/engine/voxels/traverse.h"
 #include "selection/selection.h"
 
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
 #include "bench/torus/torus.h"
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
 #include "selection/selection.h"
 
 #include <assert.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* 256 rays through a labelled volume: plain traversal against the rays engine with each kernel, exact and on slices. */
 #include "bench/support/trace.h"
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
+#include "selection/engine/voxels/traverse.h"
 
 #include <stdio.h>
 

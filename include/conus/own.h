@@ -118,71 +118,43 @@ CONUS_CHECKED conus_status conus_pose_stream_skip(conus_pose_stream *stream, uin
  * @return #CONUS_ERROR_UNSUPPORTED for a live stream. */
 CONUS_CHECKED conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream);
 
-/** Returns whether the stream is live: it reads rows from a pipe as they come. */
-CONUS_API bool conus_pose_stream_is_live(const conus_pose_stream *stream);
+/** What poses are, and what their rows may have. Texts are borrowed from the stream or list. */
+typedef struct conus_pose_facts {
+    const char *format; /**< As conus_pose_format_name() has it; never "auto", NULL of a list. */
+    const char *space;  /**< As the file names it: "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" where it names none. */
+    const char *electrodes; /**< The table of electrodes (BIDS) that was read, for conus_report_options.electrodes; NULL
+                               for other formats. */
+    const char *coordsystem; /**< Path of the *_coordsystem.json that says what the positions of electrodes or markers
+                                (BIDS) are in; "" where there is none, */
+    const char *coordsystem_sha256; /**< and the SHA-256 of that file as it was read, hexadecimal. */
+    const conus_pose_list *head; /**< Rows that a stream has read, for conus_places_check(): the first 64; of a format
+                                    that is read whole all. It changes with conus_pose_stream_read(). */
+    bool is_live;                /**< A stream that reads rows from a pipe as they come. */
+    /* What a row of a stream may have. False for a table without that column and for formats without such a thing, and
+     * where everything was read and no row has one. */
+    bool has_times;  /**< A time_s. */
+    bool has_angles; /**< An angle of its own, */
+    bool has_ranges; /**< a range, by the columns near and far or targets that are ends, */
+    bool has_radii;  /**< or a radius. */
+    bool has_points; /**< No direction: it is a point. */
+} conus_pose_facts;
 
-/** Gives the format of the poses, as conus_pose_format_name() has it. @return Never "auto". Static. */
-CONUS_API const char *conus_pose_stream_format(const conus_pose_stream *stream);
+/** Tells about a stream. @return As of now; of NULL what there is of no file. */
+CONUS_API conus_pose_facts conus_pose_stream_facts(const conus_pose_stream *stream);
 
-/** Gives the space as the file names it. @return "NIfTI:Scanner", "MNI152NLin2009cAsym"; "" if the file names none. */
-CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
-
-/** Returns whether rows may have a time_s.
- * @return False for a table without that column and for formats without times, and where everything was read and no row
- * has one. */
-CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
+/** Tells about a list. @return The texts; of NULL what there is of no file. */
+CONUS_API conus_pose_facts conus_pose_list_facts(const conus_pose_list *list);
 
 /** Returns whether two rows may have one id.
  * @return False for a table without a column that names its rows, whose ids are their numbers, and where everything was
  * read and no two rows have one id. */
 CONUS_API bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream);
 
-/** Returns whether rows may have an angle of their own.
- * @return False for a table without that column and for formats without angles. */
-CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
-
-/** Returns whether rows may have a range of their own.
- * @return False for a table without the columns near and far or targets that are ends, and where everything was read
- * and no row has one. */
-CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
-
-/** Returns whether rows may have a radius of their own.
- * @return False for a table without that column and for other formats. */
-CONUS_API bool conus_pose_stream_has_radii(const conus_pose_stream *stream);
-
-/** Returns whether rows may be points, which have no direction.
- * @return False for a table and a matrix, and where everything was read and no row is a point. */
-CONUS_API bool conus_pose_stream_has_points(const conus_pose_stream *stream);
-
-/** Gives rows that it has read, for conus_places_check().
- * @return The first 64; of a format that is read whole all rows. Borrowed; it changes with conus_pose_stream_read(). */
-CONUS_API const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream);
-
-/** Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
- * @return NULL for other formats. */
-CONUS_API const char *conus_pose_stream_electrodes(const conus_pose_stream *stream);
-
-/** Gives the path of the *_coordsystem.json that says what the positions of electrodes or markers (BIDS) are in.
- * @return "" where there is none. */
-CONUS_API const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream);
-
-/** Gives the SHA-256 of that file as it was read. @return Hexadecimal; "" where there is no such file. */
-CONUS_API const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream);
-
 /** Computes the SHA-256 of the file of the poses: of the bytes that this stream has read, and of the rest, which it
  * reads now, so that there are no rows afterwards.
  * @param[out] out Hexadecimal with a final NUL.
  * @return #CONUS_ERROR_UNSUPPORTED for a pipe. */
 CONUS_CHECKED conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream);
-
-/** Gives the table of electrodes, as conus_pose_stream_electrodes(). @return NULL for other formats. */
-CONUS_API const char *conus_pose_list_electrodes(const conus_pose_list *list);
-
-/** Gives the path of the coordinate system, as conus_pose_stream_coordsystem(). @return "" where there is none. */
-CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
-
-/** Gives the space that the file names, as conus_pose_stream_space(). @return "" where it names none. */
-CONUS_API const char *conus_pose_list_space(const conus_pose_list *list);
 
 /** Names the formats, for a program's options.
  * @param index From 0.

@@ -5,7 +5,7 @@
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "loaders/catalogue/catalogue.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <errno.h>
 #include <string.h>

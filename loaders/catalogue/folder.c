@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "loaders/brainglobe/brainglobe.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <ctype.h>
 #include <string.h>

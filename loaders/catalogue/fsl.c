@@ -5,7 +5,7 @@
 #include "base/formats/xml.h"
 #include "conus/own.h"
 #include "loaders/labels/labels.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #include "base/system/system.h"
 #include "loaders/labels/label_format.h"
 #include "loaders/volumes/volumes.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #include "base/formats/xml.h"
 #include "base/path.h"
 #include "base/system/system.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <string.h>
 

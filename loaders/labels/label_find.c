@@ -8,7 +8,7 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "loaders/labels/label_format.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <stdlib.h>
 #include <string.h>

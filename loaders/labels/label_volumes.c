@@ -5,7 +5,7 @@
 
 #include "base/files/file.h"
 #include "loaders/labels/label_format.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "atlas/areas/areas.h"
 #include "base/memory.h"
 #include "loaders/volumes/volumes.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "base/files/file.h"
 #include "base/path.h"
 #include "conus/own.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <string.h>
 

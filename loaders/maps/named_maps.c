@@ -8,7 +8,7 @@
 #include "loaders/labels/label_format.h"
 #include "loaders/labels/labels.h"
 #include "loaders/volumes/volumes.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdio.h>

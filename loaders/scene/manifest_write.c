@@ -14,7 +14,7 @@
 #include "loaders/scene/scene.h"
 #include "loaders/tracts/tracts.h"
 #include "loaders/transform/transform.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <limits.h>
 #include <string.h>

@@ -6,8 +6,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "loaders/surfaces/surfaces.h"
-#include "sources/endings.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <string.h>
 

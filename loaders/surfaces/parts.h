@@ -6,7 +6,6 @@
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh.h"
 #include "base/job/job.h"
-#include "base/job/reader.h"
 #include "loaders/labels/labels.h"
 
 /* GIFTI 1.0: surfaces and values on them, in XML. Strict: an array has exactly the numbers that its Dim attributes

@@ -3,7 +3,7 @@
  * itk::MatrixOffsetTransformBase, itk::Euler3DTransform, itk::VersorRigid3DTransform, itk::Similarity3DTransform,
  * itk::BSplineTransform. */
 #include "base/geometry/math3.h"
-#include "base/job/reader.h"
+#include "base/job/job.h"
 #include "base/memory.h"
 #include "loaders/transform/transform.h"
 #include "sources/source.h"

@@ -4,7 +4,7 @@
 
 #include "base/files/file.h"
 #include "base/order.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "conus/own.h"
 #include "poses/rows/columns_head.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <ctype.h>
 #include <math.h>

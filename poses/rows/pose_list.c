@@ -158,19 +158,14 @@ conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t
     return notes_severity(&list->notes, index);
 }
 
-const char *conus_pose_list_electrodes(const conus_pose_list *list)
+conus_pose_facts conus_pose_list_facts(const conus_pose_list *list)
 {
-    return list ? list->electrodes : NULL;
-}
-
-const char *conus_pose_list_coordsystem(const conus_pose_list *list)
-{
-    return list && list->coordsystem ? list->coordsystem : "";
-}
-
-const char *conus_pose_list_space(const conus_pose_list *list)
-{
-    return list ? list->space.name : "";
+    static const conus_pose_list none = {0};
+    list = list ? list : &none;
+    return (conus_pose_facts){.space = list->space.name,
+                              .electrodes = list->electrodes,
+                              .coordsystem = list->coordsystem ? list->coordsystem : "",
+                              .coordsystem_sha256 = list->coordsystem_sha256};
 }
 
 conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas)

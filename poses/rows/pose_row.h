@@ -4,7 +4,6 @@
 #define CONUS_POSES_ROWS_POSE_ROW_H
 
 #include "base/job/job.h"
-#include "base/numbers.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/pose.h"

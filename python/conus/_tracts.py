@@ -10,6 +10,7 @@ import numpy as np
 from ._answers import Array
 from ._conus import ffi, lib
 from ._library import ArgumentError, affine_of, check, choice, flag, numbers, path_of, real, shown, text, unmasked, utf8
+from ._table import ask_table
 
 
 def is_tractogram(path: Any) -> bool:
@@ -134,13 +135,14 @@ def _scalar_names(atlas: Any, index: int, count: int) -> tuple[str, ...]:
 
 def tractograms_of(atlas: Any) -> list[Tractogram]:
     """The tractograms of an atlas."""
-    out = []
-    for index in range(lib.conus_atlas_tractogram_count(atlas)):
-        info = ffi.new("conus_tractogram_info *")
-        check(lib.conus_atlas_tractogram(info, atlas, index))
-        bundles = [lib.conus_atlas_object(atlas, info.bundle + i).name for i in range(info.bundles)]
+    table, out = ask_table(lib.conus_atlas_list, atlas, b"tractograms"), []
+    columns = {name: table[name].tolist() for name in table.columns}
+    for i, first in enumerate(table.objects.tolist()):
+        row = {name: values[i] for name, values in columns.items()}
+        bundles = [lib.conus_atlas_object(atlas, first + k).name for k in range(row["bundles"])]
         out.append(Tractogram(
-            text(info.path), text(info.format), text(info.sha256), info.streamlines, info.points, info.length_mm,
-            info.radius, np.array([[*info.low], [*info.high]]), bool(info.half),
-            tuple(text(name) for name in bundles), _scalar_names(atlas, index, info.scalars)))
+            row["path"] or "", row["format"] or "", row["sha256"] or "", row["streamlines"], row["points"],
+            row["length_mm"], row["radius_mm"],
+            np.array([[row[f"{end}_{axis}"] for axis in "xyz"] for end in ("low", "high")]), bool(row["half"]),
+            tuple(map(text, bundles)), _scalar_names(atlas, i, row["scalars"])))
     return out

@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "render/colour/colour.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 #include "render/id/id_pass.h"
 
 #include <string.h>

@@ -257,4 +257,19 @@ conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, c
 void volume_texture_fill(GLuint texture, enum volume_texture_kind kind, const size_t dim[3], size_t first, size_t count,
                          const void *voxels);
 
+/* The shaders of render/shaders/, embedded by the build: NAME.glsl is shader_NAME, dots as underscores. */
+
+extern const char shader_colour_frag[];
+extern const char shader_colour_layers[];
+extern const char shader_common[];
+extern const char shader_id_frag[];
+extern const char shader_mesh_frag[];
+extern const char shader_mesh_hits_frag[];
+extern const char shader_mesh_id_frag[];
+extern const char shader_mesh_id_vert[];
+extern const char shader_mesh_vert[];
+extern const char shader_screen_vert[];
+extern const char shader_tube_frag[];
+extern const char shader_tube_vert[];
+
 #endif

@@ -4,7 +4,6 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "render/gl/shaders.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -4,7 +4,6 @@
 
 #include "base/memory.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 
 #include <assert.h>
 #include <string.h>

@@ -5,7 +5,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 
 #include <stddef.h>
 

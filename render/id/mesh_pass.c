@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 
 #include <string.h>
 

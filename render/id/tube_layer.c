@@ -5,7 +5,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 #include "render/id/shapes.h"
 
 /* Instances that are drawn before the listener may cancel. */

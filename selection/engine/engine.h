@@ -11,6 +11,7 @@
 /** An engine for one atlas. */
 struct engine;
 struct layers;
+struct traverse_kernel;
 
 struct engine_functions {
     /** Fills @p out (already initialised to the cone's resolution) for @p cone. With begins_at_range a hit at or behind
@@ -51,5 +52,21 @@ static inline void engine_destroy(struct engine *engine)
         engine->functions->destroy(engine);
     }
 }
+
+/* The rays engine with its kernel chosen by hand, for tests and measurements; and for the meshes or the bundles
+ * alone. */
+
+/** engine_rays_create() with @p kernel, which this machine must support. */
+conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atlas,
+                                     const struct engine_options *options, const struct traverse_kernel *kernel);
+
+/** A rays engine that knows only the meshes of @p atlas. */
+conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atlas *atlas);
+
+/** One that knows only the bundles. */
+conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atlas *atlas);
+
+/** trace() of a rays engine that adds to @p out: hits that @p out already has stay where they are nearer. */
+conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone);
 
 #endif

@@ -7,7 +7,6 @@
 #include "base/memory.h"
 #include "render/gl/gl.h"
 #include "render/id/id_pass.h"
-#include "selection/engine/engine_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"
 #include "selection/engine/voxels/traverse.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The rays engine: traces volumes, meshes and streamlines on the CPU, block by block of pixels. */
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
 
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
@@ -10,6 +10,7 @@
 #include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"
 #include "selection/engine/voxels/distance_map.h"
+#include "selection/engine/voxels/traverse.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

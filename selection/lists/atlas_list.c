@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists what an atlas has: its objects, surfaces around it, tractograms, other files and notes. */
-#include "selection/lists/lists.h"
+#include "selection/table/table.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -28,7 +28,7 @@ static const struct table_field object_fields[] = {
     {"hidden", NULL, "1 of an object that is as if it had never been loaded, else 0",
      TABLE_OF(LARGE_COUNT, struct object_row, is_hidden)},
 };
-static const struct table_fields object_columns = LIST_FIELDS(object_fields);
+static const struct table_fields object_columns = TABLE_FIELDS(object_fields);
 
 static conus_status list_objects(conus_table **out, const conus_atlas *atlas)
 {
@@ -57,7 +57,7 @@ static conus_status list_objects(conus_table **out, const conus_atlas *atlas)
         memory_free(rows);
         return status;
     }
-    return list_of_rows(out, atlas, &object_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, atlas, &object_columns, rows, sizeof *rows, count);
 }
 
 /* The corners of the box around the points of a row. */
@@ -88,7 +88,7 @@ static const struct table_field surface_fields[] = {
     {"opacity", NULL, "above 0 to 1", TABLE_OF(NUMBER, struct surface_row, opacity)},
     BOX_FIELDS(struct surface_row),
 };
-static const struct table_fields surface_columns = LIST_FIELDS(surface_fields);
+static const struct table_fields surface_columns = TABLE_FIELDS(surface_fields);
 
 static void tell_surface(struct surface_row *row, const conus_atlas *atlas, size_t index)
 {
@@ -114,7 +114,7 @@ static conus_status list_surfaces(conus_table **out, const conus_atlas *atlas)
     for (size_t i = 0; rows && i < count; i++) {
         tell_surface(&rows[i], atlas, i);
     }
-    return list_of_rows(out, atlas, &surface_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, atlas, &surface_columns, rows, sizeof *rows, count);
 }
 
 struct tractogram_row {
@@ -141,7 +141,7 @@ static const struct table_field tractogram_fields[] = {
      TABLE_OF(LARGE_COUNT, struct tractogram_row, is_half)},
     BOX_FIELDS(struct tractogram_row),
 };
-static const struct table_fields tractogram_columns = LIST_FIELDS(tractogram_fields);
+static const struct table_fields tractogram_columns = TABLE_FIELDS(tractogram_fields);
 
 static void tell_tractogram(struct tractogram_row *row, const conus_atlas *atlas, size_t index)
 {
@@ -171,7 +171,7 @@ static conus_status list_tractograms(conus_table **out, const conus_atlas *atlas
     for (size_t i = 0; rows && i < count; i++) {
         tell_tractogram(&rows[i], atlas, i);
     }
-    return list_of_rows(out, atlas, &tractogram_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, atlas, &tractogram_columns, rows, sizeof *rows, count);
 }
 
 struct text_row {
@@ -183,7 +183,7 @@ static const struct table_field file_fields[] = {
     {"path", NULL, "a file that the atlas is made of besides its volumes: bytes, not always UTF-8",
      TABLE_OF(TEXT, struct text_row, text)},
 };
-static const struct table_fields file_columns = LIST_FIELDS(file_fields);
+static const struct table_fields file_columns = TABLE_FIELDS(file_fields);
 
 static conus_status list_files(conus_table **out, const conus_atlas *atlas)
 {
@@ -192,7 +192,7 @@ static conus_status list_files(conus_table **out, const conus_atlas *atlas)
     for (size_t i = 0; rows && i < count; i++) {
         rows[i].text = conus_atlas_file(atlas, i);
     }
-    return list_of_rows(out, atlas, &file_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, atlas, &file_columns, rows, sizeof *rows, count);
 }
 
 static const struct table_field note_fields[] = {
@@ -202,7 +202,7 @@ static const struct table_field note_fields[] = {
      TABLE_OF(TEXT, struct text_row, kind)},
     {"text", NULL, "one line", TABLE_OF(TEXT, struct text_row, text)},
 };
-static const struct table_fields note_columns = LIST_FIELDS(note_fields);
+static const struct table_fields note_columns = TABLE_FIELDS(note_fields);
 
 static conus_status list_notes(conus_table **out, const conus_atlas *atlas)
 {
@@ -220,7 +220,7 @@ static conus_status list_notes(conus_table **out, const conus_atlas *atlas)
         rows[0].kind = "labels";
         rows[0].text = conus_atlas_label_source(atlas);
     }
-    return list_of_rows(out, atlas, &note_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, atlas, &note_columns, rows, sizeof *rows, count);
 }
 
 static const struct {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists what options may name, the atlases that are installed, and the contacts of a probe. */
-#include "selection/lists/lists.h"
+#include "selection/table/table.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -8,18 +8,6 @@
 #include "conus/own.h"
 
 #include <string.h>
-
-conus_status list_of_rows(conus_table **out, const conus_atlas *atlas, const struct table_fields *fields, void *rows,
-                          size_t size, size_t count)
-{
-    conus_frame world = {.space = CONUS_SPACE_RAS};
-    mat4_identity(world.world_from_space);
-    conus_status status = rows ? table_create(out, &(struct table_source){atlas, &world}, fields,
-                                              &(struct table_question){0}, rows, size, count)
-                               : CONUS_ERROR_MEMORY;
-    memory_free(rows);
-    return status;
-}
 
 struct choice_row {
     struct table_object object;
@@ -30,7 +18,7 @@ static const struct table_field choice_fields[] = {
     {"name", NULL, "what an option takes", TABLE_OF(TEXT, struct choice_row, name)},
     {"help", NULL, "one line; n/a of most", TABLE_OF(TEXT, struct choice_row, help)},
 };
-static const struct table_fields choice_columns = LIST_FIELDS(choice_fields);
+static const struct table_fields choice_columns = TABLE_FIELDS(choice_fields);
 
 static struct choice_row plain_choice(const char *name)
 {
@@ -92,7 +80,7 @@ static const struct table_field error_fields[] = {
     {"measured", NULL, "what was measured", TABLE_OF(TEXT, struct error_row, error.measured)},
     {"source", NULL, "where it is published", TABLE_OF(TEXT, struct error_row, error.source)},
 };
-static const struct table_fields error_columns = LIST_FIELDS(error_fields);
+static const struct table_fields error_columns = TABLE_FIELDS(error_fields);
 
 static conus_status list_errors(conus_table **out)
 {
@@ -104,7 +92,7 @@ static conus_status list_errors(conus_table **out)
     for (size_t i = 0; rows && i < count; i++) {
         rows[i].error = *conus_pose_error_at(i);
     }
-    return list_of_rows(out, NULL, &error_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &error_columns, rows, sizeof *rows, count);
 }
 
 conus_status conus_list_choices(conus_table **out, const char *what)
@@ -131,7 +119,7 @@ conus_status conus_list_choices(conus_table **out, const char *what)
     for (size_t i = 0; rows && i < count; i++) {
         rows[i] = choices[at].at(i);
     }
-    return list_of_rows(out, NULL, &choice_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &choice_columns, rows, sizeof *rows, count);
 }
 
 struct installed_row {
@@ -154,7 +142,7 @@ static const struct table_field installed_fields[] = {
     {"labels", NULL, "for conus_load_options.labels; n/a where it finds them",
      TABLE_OF(TEXT, struct installed_row, atlas.labels)},
 };
-static const struct table_fields installed_columns = LIST_FIELDS(installed_fields);
+static const struct table_fields installed_columns = TABLE_FIELDS(installed_fields);
 
 struct place_row {
     struct table_object object;
@@ -168,7 +156,7 @@ static const struct table_field place_fields[] = {
     {"path", NULL, "the folder; n/a where the environment does not say which", TABLE_OF(TEXT, struct place_row, path)},
     {"there", NULL, "1 where there is such a folder, else 0", TABLE_OF(LARGE_COUNT, struct place_row, is_there)},
 };
-static const struct table_fields place_columns = LIST_FIELDS(place_fields);
+static const struct table_fields place_columns = TABLE_FIELDS(place_fields);
 
 static conus_status list_places(conus_table **out, const conus_catalogue *catalogue)
 {
@@ -178,7 +166,7 @@ static conus_status list_places(conus_table **out, const conus_catalogue *catalo
         const conus_catalogue_place *place = conus_catalogue_place_at(catalogue, i);
         rows[i] = (struct place_row){{0}, place->source, place->rule, place->path, place->there};
     }
-    return list_of_rows(out, NULL, &place_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &place_columns, rows, sizeof *rows, count);
 }
 
 static conus_status list_catalogue(conus_table **out, const conus_catalogue *catalogue)
@@ -192,7 +180,7 @@ static conus_status list_catalogue(conus_table **out, const conus_catalogue *cat
             rows[i].atlas.spacing[a] = spacing > 0 ? spacing : NAN; /* n/a */
         }
     }
-    return list_of_rows(out, NULL, &installed_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &installed_columns, rows, sizeof *rows, count);
 }
 
 conus_status conus_list_installed(conus_table **out, conus_log log, void *log_user)
@@ -248,7 +236,7 @@ static const struct table_field contact_fields[] = {
     {"offset_y", "mm", "across both", TABLE_OF(NUMBER, struct contact_row, offset[1])},
     {"offset_z", "mm", "along the shank, away from the tip", TABLE_OF(NUMBER, struct contact_row, offset[2])},
 };
-static const struct table_fields contact_columns = LIST_FIELDS(contact_fields);
+static const struct table_fields contact_columns = TABLE_FIELDS(contact_fields);
 
 struct tip_row {
     struct table_object object;
@@ -260,7 +248,7 @@ static const struct table_field tip_fields[] = {
     {"y_um", "um", "of the tip", TABLE_OF(NUMBER, struct tip_row, tip[1])},
     {"z_um", "um", "of the tip; n/a of a probe in two dimensions", TABLE_OF(NUMBER, struct tip_row, tip[2])},
 };
-static const struct table_fields tip_columns = LIST_FIELDS(tip_fields);
+static const struct table_fields tip_columns = TABLE_FIELDS(tip_fields);
 
 static conus_status list_contacts(conus_table **out, const conus_probe *probe)
 {
@@ -274,7 +262,7 @@ static conus_status list_contacts(conus_table **out, const conus_probe *probe)
         memcpy(rows[i].position, contact->position, sizeof rows[i].position);
         memcpy(rows[i].offset, contact->offset, sizeof rows[i].offset);
     }
-    return list_of_rows(out, NULL, &contact_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &contact_columns, rows, sizeof *rows, count);
 }
 
 static conus_status list_tips(conus_table **out, const conus_probe *probe)
@@ -284,7 +272,7 @@ static conus_status list_tips(conus_table **out, const conus_probe *probe)
     for (size_t i = 0; rows && i < count; i++) {
         conus_probe_tip(rows[i].tip, probe, i);
     }
-    return list_of_rows(out, NULL, &tip_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &tip_columns, rows, sizeof *rows, count);
 }
 
 conus_status conus_probe_table(conus_table **out, const conus_probe *probe)

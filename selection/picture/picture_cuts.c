@@ -2,7 +2,6 @@
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
-#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"

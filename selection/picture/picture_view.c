@@ -2,7 +2,6 @@
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
-#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"

@@ -6,7 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/options.h"
 #include "poses/rows/pose_row.h"
-#include "selection/plan/plan_deepest.h"
+#include "selection/plan/plan.h"
 #include "selection/study/study.h"
 
 #include <math.h>

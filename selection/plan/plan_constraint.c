@@ -7,7 +7,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "selection/plan/plan_deepest.h"
 #include "selection/study/study.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the point of a structure that is farthest from its border, and how much of it lies on which side. */
-#include "selection/plan/plan_deepest.h"
+#include "selection/plan/plan.h"
 
 #include "atlas/areas/areas.h"
 #include "atlas/surface/mesh.h"

@@ -12,7 +12,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "selection/measure/measure.h"
-#include "selection/plan/plan_deepest.h"
 #include "selection/study/study.h"
 
 #include <math.h>

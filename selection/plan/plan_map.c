@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Distances of voxel centres from cells: along one axis after the other, since the cells are boxes. */
-#include "selection/plan/plan_deepest.h"
+#include "selection/plan/plan.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -6,9 +6,9 @@
 #include "base/options.h"
 #include "conus/own.h"
 #include "poses/rows/pose_row.h"
-#include "selection/lists/lists.h"
 #include "selection/plan/plan.h"
 #include "selection/report/report.h"
+#include "selection/table/table.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -434,7 +434,7 @@ static const struct table_field constraint_fields[] = {
     {"left", NULL, "candidates that hold it and all before it", TABLE_OF(LARGE_COUNT, struct constraint_row, left)},
     {"miss", NULL, "the candidate that breaks it alone, by the least", TABLE_OF(TEXT, struct constraint_row, miss)},
 };
-static const struct table_fields constraint_columns = LIST_FIELDS(constraint_fields);
+static const struct table_fields constraint_columns = TABLE_FIELDS(constraint_fields);
 
 static conus_status list_constraints(conus_table **out, const conus_plan *plan)
 {
@@ -461,7 +461,7 @@ static conus_status list_constraints(conus_table **out, const conus_plan *plan)
     if (status) {
         memory_free(rows);
     } else {
-        status = list_of_rows(out, NULL, &constraint_columns, rows, sizeof *rows, count);
+        status = table_of_rows(out, NULL, &constraint_columns, rows, sizeof *rows, count);
     }
     buffer_finish(&words);
     return status;
@@ -483,7 +483,7 @@ static const struct table_field best_fields[] = {
      TABLE_OF(NUMBER, struct best_row, best.entry_angle)},
     {"reach1", NULL, "what the first reach measures", TABLE_OF(NUMBER, struct best_row, best.reach)},
 };
-static const struct table_fields best_columns = LIST_FIELDS(best_fields);
+static const struct table_fields best_columns = TABLE_FIELDS(best_fields);
 
 static conus_status list_bests(conus_table **out, const conus_plan *plan, bool of_targets)
 {
@@ -493,7 +493,7 @@ static conus_status list_bests(conus_table **out, const conus_plan *plan, bool o
     for (size_t i = 0; rows && i < count; i++) {
         rows[i].best = bests[i];
     }
-    return list_of_rows(out, NULL, &best_columns, rows, sizeof *rows, count);
+    return table_of_rows(out, NULL, &best_columns, rows, sizeof *rows, count);
 }
 
 conus_status conus_plan_list(conus_table **out, const conus_plan *plan, const char *what)

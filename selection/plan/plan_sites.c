@@ -4,7 +4,7 @@
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
-#include "selection/plan/plan_deepest.h"
+#include "selection/plan/plan.h"
 
 static conus_status add_voxels(conus_sites *sites, const struct plan_constraint *structure, const struct volume *volume)
 {

@@ -3,7 +3,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/plan/plan.h"
-#include "selection/plan/plan_deepest.h"
 #include "selection/plan/together/together.h"
 
 #include <math.h>

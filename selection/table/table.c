@@ -318,6 +318,18 @@ conus_status table_create(conus_table **out, const struct table_source *source, 
     return CONUS_OK;
 }
 
+conus_status table_of_rows(conus_table **out, const conus_atlas *atlas, const struct table_fields *fields, void *rows,
+                           size_t size, size_t count)
+{
+    conus_frame world = {.space = CONUS_SPACE_RAS};
+    mat4_identity(world.world_from_space);
+    conus_status status = rows ? table_create(out, &(struct table_source){atlas, &world}, fields,
+                                              &(struct table_question){0}, rows, size, count)
+                               : CONUS_ERROR_MEMORY;
+    memory_free(rows);
+    return status;
+}
+
 void table_add_part(conus_table *table, const char *name, conus_table *part)
 {
     table->parts[table->part_count].name = name;

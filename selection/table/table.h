@@ -161,6 +161,12 @@ struct table_fields {
     size_t count;
 };
 
+/** The fields of an array. */
+#define TABLE_FIELDS(array)                                                                                            \
+    {                                                                                                                  \
+        array, sizeof(array) / sizeof *(array)                                                                         \
+    }
+
 /** "kind", "index", "name" and "abbreviation" of rows that begin with a struct table_object. */
 struct cell table_kind(const struct table_source *source, const void *row, size_t index);
 struct cell table_index(const struct table_source *source, const void *row, size_t index);
@@ -199,6 +205,11 @@ bool table_has_field(const conus_atlas *atlas, const struct table_field *field);
  */
 conus_status table_create(conus_table **out, const struct table_source *source, const struct table_fields *fields,
                           const struct table_question *asked, const void *rows, size_t size, size_t count);
+
+/** Makes a table of what there is: @p rows [count], which are ended; NULL is a failed allocation. Positions are in the
+ * world. @p atlas is NULL where rows are about none. */
+conus_status table_of_rows(conus_table **out, const conus_atlas *atlas, const struct table_fields *fields, void *rows,
+                           size_t size, size_t count);
 
 enum { TABLE_PART_LIMIT = 2 };
 

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "selection/weight/weight.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdio.h>

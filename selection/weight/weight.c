@@ -5,7 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "viewer/window/start.h"
 
 #include "conus/own.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 #include "test.h"
 
 #include <stdint.h>

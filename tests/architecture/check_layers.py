@@ -132,7 +132,7 @@ LIBRARY = {
     "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection/table selection",
     "selection/plan/together": "base base/geometry poses/rows selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
-    " selection/measure selection selection/study selection/report selection/batch selection/lists selection/plan/together",
+    " selection/measure selection selection/study selection/report selection/batch selection/table selection/plan/together",
     "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
     " selection/study",
@@ -144,8 +144,8 @@ LIBRARY = {
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt, conus_keys in sources), and vectors, which
 # are inline.
-SHARED = {"base/child/process.h", "base/geometry/math3.h", "base/look.h", "base/look_sizes.h", "base/order.h",
-          "base/path.h", "base/system/system.h", "base/text.h", "base/writer.h", "sources/endings.h", "sources/keys.h"}
+SHARED = {"base/child/process.h", "base/geometry/math3.h", "base/look.h", "base/order.h", "base/path.h",
+          "base/system/system.h", "base/text.h", "base/writer.h", "sources/names.h"}
 # {folder: (headers beside its one for others and its one for itself, why)}.
 APART = {
     "apps/cli": ("cmd_plan cmd_render request", "parts of some commands; commands.h lists all of them"),
@@ -158,23 +158,21 @@ APART = {
     "atlas": ("space volume", "a grid is known before there are voxels, and engines know volumes only"),
     "atlas/surface": ("mesh_space", "is C++, too, in conus-mesh"),
     "atlas/tracts": ("tract_leaf_lanes tract_node", "a kernel's body, and memory that engines walk themselves"),
-    "base": ("byte_order library look look_sizes numbers options order path status text threads tolerance writer",
+    "base": ("byte_order library look options order path status text threads tolerance writer",
              "each is one word of all others' vocabulary, and programs may use some of them (SHARED)"),
     "base/child": ("hdf5 hdf5_protocol process", "what is asked of conus-hdf5, what conus-hdf5 itself includes, and what"
                    " programs have, too (SHARED)"),
     "base/formats": ("encoding json_text matlab table xml", "are as many formats, some with libraries"),
-    "base/job": ("reader", "reads bytes, which few jobs do"),
     "base/simd": ("lanes", "is the vocabulary of kernels, which define LANES first"),
     "loaders/child": ("mesh_protocol", "is C++, too, in conus-mesh"),
     "loaders/labels": ("label_format", "is for readers of other files that have entries of such tables"),
     "poses/rows": ("columns", "tables whose columns are guessed; most know rows only"),
-    "render/gl": ("camera shaders", "need no OpenGL; the build writes the sources of shaders.h"),
+    "render/gl": ("camera", "needs no OpenGL"),
     "render/id": ("shapes", "needs no OpenGL"),
     "selection/engine/triangles": ("embree", "includes Embree"),
     "selection/engine/voxels": ("distance_map traverse_lanes", "maps are packed with an atlas; a kernel's body"),
     "selection/measure": ("score", "knows results only, and not how they are measured"),
-    "selection/plan": ("plan_deepest", "knows a structure, and no plan"),
-    "sources": ("endings keys", "programs have them beside the library (SHARED)"),
+    "sources": ("names", "programs have it beside the library (SHARED)"),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-struct numbers {
+struct numbering {
     size_t *at;
     size_t count, capacity;
 };
@@ -48,7 +48,7 @@ static void after_a_failure_nothing_happens(void **state)
 {
     (void)state;
     struct job job = {0};
-    struct numbers list = {0};
+    struct numbering list = {0};
     size_t *kept = LIST_ADD(&job, &list);
     *kept = 7;
     job_bad(&job, "wrong");
@@ -75,7 +75,7 @@ static void a_list_keeps_its_elements_while_it_grows(void **state)
     (void)state;
     enum { MANY = 10000 };
     struct job job = {0};
-    struct numbers list = {0};
+    struct numbering list = {0};
     for (size_t i = 0; i < MANY; i++) {
         size_t *number = LIST_ADD(&job, &list);
         assert_int_equal(*number, 0);
@@ -393,7 +393,7 @@ static conus_status work(void *data)
     struct job job = {0};
     struct notes notes = {0};
     struct file_sums files = {0};
-    struct numbers list = {0};
+    struct numbering list = {0};
     const struct bytes content = {(uint8_t *)"abc", 3};
     for (int i = 0; i < 20 && job_ok(&job); i++) {
         *LIST_ADD(&job, &list) = 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers as people paste them: what is read, what may be a name, and what is refused. */
-#include "base/numbers.h"
+#include "base/text.h"
 #include "test.h"
 
 #include <math.h>

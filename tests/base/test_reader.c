@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The reader: numbers of both orders, lines and words over the ends of blocks, gzip of several members, every prefix,
  * and each primitive failing. */
-#include "base/job/reader.h"
+#include "base/job/job.h"
 
 #include "base/memory.h"
 #include "sources/source.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FILE,key=value of any kind, the first byte, from any bytes: the file and the values lie in the text, numbers are
  * finite, and what is put together again is no longer than the text. */
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <math.h>
 #include <stdint.h>

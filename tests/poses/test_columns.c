@@ -527,7 +527,7 @@ static void lines_that_are_no_rows(void **state)
     conus_pose_stream *stream = NULL;
     uint64_t count = 0;
     assert_ok(pose_stream_parse(&stream, text_from(text), NULL));
-    assert_true(conus_pose_stream_has_points(stream));
+    assert_true(conus_pose_stream_facts(stream).has_points);
     assert_ok(conus_pose_stream_count(&count, stream));
     assert_int_equal(count, 4);
     conus_pose_stream_destroy(stream);

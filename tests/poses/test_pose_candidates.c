@@ -49,9 +49,9 @@ static void every_entry_goes_to_every_target(void **state)
     uint64_t number = 0;
     assert_ok(conus_pose_stream_count(&number, stream));
     assert_int_equal(number, ENTRIES * TARGETS);
-    assert_true(conus_pose_stream_has_ranges(stream));
-    assert_false(conus_pose_stream_has_points(stream));
-    assert_false(conus_pose_stream_is_live(stream));
+    assert_true(conus_pose_stream_facts(stream).has_ranges);
+    assert_false(conus_pose_stream_facts(stream).has_points);
+    assert_false(conus_pose_stream_facts(stream).is_live);
     for (size_t i = 0; i < (size_t)ENTRIES * TARGETS; i++) {
         conus_pose_row row;
         char id[32];

@@ -349,8 +349,8 @@ static void coordinate_systems_are_found(void **state)
             write_text(test_scratch(systems[i]), json);
         }
         assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_SPACE_LPS}));
-        assert_string_equal(conus_pose_stream_space(stream), "MNI152Lin");
-        assert_string_equal(conus_pose_stream_coordsystem(stream), i < SYSTEMS ? test_scratch(systems[i]) : "");
+        assert_string_equal(conus_pose_stream_facts(stream).space, "MNI152Lin");
+        assert_string_equal(conus_pose_stream_facts(stream).coordsystem, i < SYSTEMS ? test_scratch(systems[i]) : "");
         assert_ok(conus_pose_stream_read(&row, &count, stream, 1));
         assert_near(row.pose.world_from_device[12], i < SYSTEMS ? -20 : -2, 1e-12); /* a named space is RAS */
         assert_non_null(strstr(conus_pose_stream_note(stream, i == SYSTEMS), "positions are RAS"));

@@ -16,7 +16,7 @@ static const char *format_of(const char *name)
 {
     conus_pose_stream *stream = NULL;
     assert_ok(conus_pose_stream_open(&stream, pose_sample(name), NULL));
-    const char *format = conus_pose_stream_format(stream);
+    const char *format = conus_pose_stream_facts(stream).format;
     conus_pose_stream_destroy(stream);
     return format;
 }
@@ -235,8 +235,8 @@ static void nibs_coordinate_systems(void **state)
     conus_pose_row rows[2];
     size_t count = 0;
     assert_ok(conus_pose_stream_open(&stream, table, &(conus_pose_options){.space = CONUS_SPACE_LPS}));
-    assert_string_equal(conus_pose_stream_space(stream), "IndividualMRI");
-    assert_string_equal(conus_pose_stream_coordsystem(stream), test_scratch("sub-1_task-rest_coordsystem.json"));
+    assert_string_equal(conus_pose_stream_facts(stream).space, "IndividualMRI");
+    assert_string_equal(conus_pose_stream_facts(stream).coordsystem, test_scratch("sub-1_task-rest_coordsystem.json"));
     assert_ok(conus_pose_stream_read(rows, &count, stream, 2));
     assert_row_at(&rows[0], -20, 30, 40);
     assert_non_null(strstr(rows[1].error, "--axis says so")); /* and no point at the target */

@@ -174,7 +174,7 @@ static void pipes_can_be_stopped(void **state)
         snprintf(path, sizeof path, "/dev/fd/%d", ends[0]);
         assert_true(system_write(ends[1], text, sizeof text - 1));
         assert_ok(conus_pose_stream_open(&stream, path, NULL));
-        assert_true(conus_pose_stream_is_live(stream));
+        assert_true(conus_pose_stream_facts(stream).is_live);
         if (early) {
             conus_pose_stream_stop(stream);
         } else {
@@ -188,7 +188,7 @@ static void pipes_can_be_stopped(void **state)
         close(ends[1]);
     }
     conus_pose_stream *stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", NULL);
-    assert_false(conus_pose_stream_is_live(stream));
+    assert_false(conus_pose_stream_facts(stream).is_live);
     conus_pose_stream_stop(stream);
     assert_string_equal(read_one(stream).id, "1");
     conus_pose_stream_destroy(stream);
@@ -288,7 +288,7 @@ static void ranges_are_read(void **state)
                  bad[i][0]);
     }
     conus_pose_stream *stream = parse(text, NULL);
-    assert_true(conus_pose_stream_has_ranges(stream));
+    assert_true(conus_pose_stream_facts(stream).has_ranges);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_non_null(strstr(read_one(stream).error, bad[i][1]));
     }
@@ -302,15 +302,15 @@ static void ranges_are_read(void **state)
     check_range(stream, 7, NAN);
     conus_pose_stream_destroy(stream);
     stream = parse("x,y,z,dx,dy,dz,far\n0,0,0,0,1,0,40\n", NULL);
-    assert_true(conus_pose_stream_has_ranges(stream));
+    assert_true(conus_pose_stream_facts(stream).has_ranges);
     check_range(stream, NAN, 40);
     conus_pose_stream_destroy(stream);
     stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", NULL);
-    assert_false(conus_pose_stream_has_ranges(stream));
+    assert_false(conus_pose_stream_facts(stream).has_ranges);
     check_range(stream, NAN, NAN);
     conus_pose_stream_destroy(stream);
     stream = parse("1 2 3\n", NULL);
-    assert_false(conus_pose_stream_has_ranges(stream));
+    assert_false(conus_pose_stream_facts(stream).has_ranges);
     check_range(stream, NAN, NAN);
     conus_pose_stream_destroy(stream);
 }
@@ -348,7 +348,7 @@ static void points_are_points(void **state)
         parse("# MNI\n-40.5 -20 55 hand knob\n1,2,3\n\n 4\t5\t6\tSTN, left\n1 2\n1 2 3 4\n", NULL);
     static const double wanted[3][3] = {{-40.5, -20, 55}, {1, 2, 3}, {4, 5, 6}};
     static const char *const ids[] = {"hand knob", "2", "STN, left"};
-    assert_string_equal(conus_pose_stream_format(stream), "points");
+    assert_string_equal(conus_pose_stream_facts(stream).format, "points");
     for (size_t k = 0; k < 3; k++) {
         conus_pose_row row = read_one(stream);
         assert_null(row.error);
@@ -490,7 +490,7 @@ static void what_is_read_has_its_sha256(void **state)
     assert_ok(conus_pose_stream_open(&stream, path, NULL));
     assert_ok(conus_pose_stream_sha256(got, stream));
     assert_string_equal(got, "15f3b7bc6f6d08b8a543e64d0b93e33c3e5b07a7b62424991251a66343b8c4bd");
-    assert_string_equal(conus_pose_stream_coordsystem_sha256(stream), "");
+    assert_string_equal(conus_pose_stream_facts(stream).coordsystem_sha256, "");
     conus_pose_stream_destroy(stream);
     stream = parse("1 2 3", NULL);
     assert_fails(conus_pose_stream_sha256(got, stream), CONUS_ERROR_UNSUPPORTED);

@@ -19,12 +19,11 @@ TARGETS = ["x86_64-windows-gnu", "aarch64-linux-gnu", "aarch64-macos", "x86_64-m
 
 OWN = [  # what the package calls of own.h
     "conus_atlas_attach", "conus_atlas_is_hidden", "conus_atlas_is_path", "conus_atlas_is_warped", "conus_atlas_pack",
-    "conus_atlas_packed_size", "conus_atlas_tractogram", "conus_atlas_tractogram_count", "conus_catalogue_create",
-    "conus_catalogue_destroy", "conus_catalogue_find_image", "conus_context_is_surface", "conus_inputs_keep",
-    "conus_path_is_tractogram", "conus_path_is_vertex_labels", "conus_place_is_near", "conus_places_check",
-    "conus_pose_array_at", "conus_pose_list_note", "conus_report_add_together",
-    "conus_together_pairs", "conus_together_question", "conus_weight_path_length", "conus_weight_region",
-    "conus_write_file",
+    "conus_atlas_packed_size", "conus_catalogue_create", "conus_catalogue_destroy", "conus_catalogue_find_image",
+    "conus_context_is_surface", "conus_inputs_keep", "conus_path_is_tractogram", "conus_path_is_vertex_labels",
+    "conus_place_is_near", "conus_places_check", "conus_pose_array_at", "conus_pose_list_note",
+    "conus_report_add_together", "conus_together_pairs", "conus_together_question", "conus_weight_path_length",
+    "conus_weight_region", "conus_write_file",
 ]
 
 

@@ -114,14 +114,18 @@ def arrays_of(answer):
 
 
 def test_columns_outlive_all_that_they_were_made_of_in_any_order():
-    """2,000 or 10^4 (CONUS_TEST_ALL) orders in which an atlas, its selector, answers and their arrays end; of what is left two are read after each."""
+    """Orders in which an atlas, its selector, answers and their arrays end; of what is left two are read after each.
+
+    2,000, or 10^4 by CONUS_TEST_ALL, and with AddressSanitizer by CONUS_TEST_LONG.
+    """
+    all_of_them = "CONUS_TEST_LONG" if "asan" in os.environ.get("LD_PRELOAD", "") else "CONUS_TEST_ALL"
     rng = random.Random(7)
     makers = {**TABLES, **ANSWERS}
     atlas = make_lines(make_atlas())
     selector = atlas.selector()
     wanted = {name: [content(array) for array in arrays_of(make(atlas, selector))] for name, make in makers.items()}
     assert all(len(values) for arrays in wanted.values() for values in arrays)
-    for _ in range(10_000 if os.environ.get("CONUS_TEST_ALL") else 2_000):
+    for _ in range(10_000 if os.environ.get(all_of_them) else 2_000):
         asked = rng.sample(list(makers), 2)
         held = {("answer", name): makers[name](atlas, selector) for name in asked}
         held.update({("array", name, i): array for name in asked for i, array in enumerate(arrays_of(held["answer", name]))})

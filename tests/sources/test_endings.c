@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The one list of endings, and that of the page, which is not of C and follows it. */
-#include "sources/endings.h"
+#include "sources/names.h"
 
 #include "test.h"
 

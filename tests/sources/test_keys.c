@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* FILE,key=value: where the file ends, what its keys say, and which texts are refused. */
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include "base/files/file.h"
 #include "base/system/system.h"

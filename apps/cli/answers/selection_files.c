@@ -40,14 +40,14 @@ const struct option selection_file_options[] = {
 };
 
 /* Length of the path without .nii or .nii.gz, one of which it has. */
-static size_t stem_length(const char *path)
+static size_t mask_stem(const char *path)
 {
     return strlen(path) - strlen(path_ends_in(path, ".nii.gz") ? ".nii.gz" : ".nii");
 }
 
 static bool stem_ends(const char *path, const char *ending)
 {
-    size_t length = stem_length(path);
+    size_t length = mask_stem(path);
     size_t wanted = strlen(ending);
     return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
 }
@@ -64,7 +64,7 @@ int selection_files_init(struct selection_files *out, struct outputs *outputs,
                         : stem_ends(path, "_dseg")         ? CONUS_GRID_MAP_OF_LABELS
                         : stem_ends(path, "_probseg")      ? CONUS_GRID_MAP_OF_VALUES
                                                            : CONUS_GRID_MASK_OF_AREAS;
-    if (asprintf(&out->mask_sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
+    if (asprintf(&out->mask_sidecar, "%.*s.json", (int)mask_stem(path), path) < 0) {
         out->mask_sidecar = NULL;
         return print_no_memory();
     }

@@ -179,7 +179,7 @@ void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t 
 }
 
 /* The length of a file's name before its ending. */
-static size_t stem_length(const char *base)
+static size_t base_stem(const char *base)
 {
     const char *dot = strrchr(base, '.');
     return dot && dot > base ? (size_t)(dot - base) : strlen(base);
@@ -192,7 +192,7 @@ char *shard_path(const char *path, struct shard shard)
         return strdup(path);
     }
     const char *base = path_base(path);
-    size_t stem = (size_t)(base - path) + stem_length(base);
+    size_t stem = (size_t)(base - path) + base_stem(base);
     int digits = snprintf(NULL, 0, "%" PRIu64, shard.count - 1);
     return asprintf(&out, "%.*s.%0*" PRIu64 "-of-%" PRIu64 "%s", (int)stem, path, digits, shard.index, shard.count,
                     path + stem) < 0
@@ -240,7 +240,7 @@ static bool look_at_name(void *user, const char *name)
 
 int shard_check_others(const char *path, uint64_t count)
 {
-    struct listing listing = {.base = path_base(path), .stem = stem_length(path_base(path)), .count = count};
+    struct listing listing = {.base = path_base(path), .stem = base_stem(path_base(path)), .count = count};
     size_t length = path_folder_length(path);
     char *folder = length ? text_copy(path, length) : text_copy(".", 1);
     if (!folder) {

@@ -194,9 +194,9 @@ static int open_poses(struct task *task)
             print_data_error("%s: has %zu probes, wanted is one, which is put at each pose; conus query puts several",
                              settings->probe.path, conus_probe_count(task->probe));
     }
-    code =
-        code ? code
-             : pose_settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
+    code = code ? code
+                : pose_settings_check_electrodes(task->format, conus_pose_stream_facts(task->poses).electrodes,
+                                                 settings->poses);
     code = code ? code : pose_settings_mark_stream(&task->marks, task->poses, settings->poses, task->piped, &options);
     if (!code && settings->part.count > 1) {
         code = print_status(conus_pose_stream_count(&task->total, task->poses));
@@ -276,10 +276,10 @@ static void say_question(const struct task *task)
                  what, tip[0], tip[1]);
         return;
     }
-    const char *format = conus_pose_stream_format(task->poses);
-    bool may_mix = format_is(format, "brainsight") || format_is(format, "markups") ||
-                   format_is(format, "nibs"); /* points and poses in one file */
-    bool is_said = conus_pose_stream_has_points(task->poses) && !may_mix;
+    const conus_pose_facts facts = conus_pose_stream_facts(task->poses);
+    bool may_mix = format_is(facts.format, "brainsight") || format_is(facts.format, "markups") ||
+                   format_is(facts.format, "nibs"); /* points and poses in one file */
+    bool is_said = facts.has_points && !may_mix;
     if (task->understood[0]) {
         say_note(CONUS_SEVERITY_NOTE, settings->common.quiet || settings->is_again, "%s: %s",
                  pose_settings_file_name(settings->poses), task->understood);
@@ -290,17 +290,17 @@ static void say_question(const struct task *task)
     }
     if (engine->radius > 0) {
         snprintf(shape, sizeof shape, "%s %g mm%s", is_square ? "square rods of half width" : "cylinders of radius",
-                 engine->radius, conus_pose_stream_has_points(task->poses) ? ", round points balls" : "");
+                 engine->radius, facts.has_points ? ", round points balls" : "");
     } else {
         snprintf(shape, sizeof shape, "%s of %g degrees%s%s", is_square ? "square pyramids" : "cones",
                  settings_angle(&settings->aim, engine),
                  option_given(task->arguments, "angle") ? ""
                  : engine->made && !isnan(conus_weight_angle(engine->made))
                      ? " (the weight's own; --angle DEGREES changes it)"
-                 : conus_pose_stream_has_ranges(task->poses) ? " (the default; --angle DEGREES or, for needles, "
-                                                               "--radius MM changes it)"
-                                                             : " (the default; --angle DEGREES changes it)",
-                 conus_pose_stream_has_angles(task->poses) ? " where the file has no angle" : "");
+                 : facts.has_ranges ? " (the default; --angle DEGREES or, for needles, "
+                                      "--radius MM changes it)"
+                                    : " (the default; --angle DEGREES changes it)",
+                 facts.has_angles ? " where the file has no angle" : "");
     }
     say_note(CONUS_SEVERITY_NOTE, false, "%s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays,
              rays);
@@ -312,7 +312,7 @@ static int create_batch(struct task *task)
     conus_batch_destroy(task->batch);
     task->batch = NULL;
     task->options.report.electrodes =
-        format_is(task->format, "bids") ? conus_pose_stream_electrodes(task->poses) : NULL;
+        format_is(task->format, "bids") ? conus_pose_stream_facts(task->poses).electrodes : NULL;
     conus_status status = conus_batch_create(&task->batch, task->aimed[0].selector, &task->options);
     for (size_t i = 1; i < task->atlases.count && !status; i++) {
         status = conus_batch_add(task->batch, task->aimed[i].selector, task->atlases.items[i].name);
@@ -323,15 +323,16 @@ static int create_batch(struct task *task)
 static int build_task(struct task *task)
 {
     const struct batch_settings *settings = task->settings;
+    const conus_pose_facts facts = conus_pose_stream_facts(task->poses);
     conus_selector_options engine = settings_engine(&settings->engine, &settings->aim, &settings->common);
     settings_point_error(task->point_error, &settings->engine, task->arguments);
-    if (format_is(conus_pose_stream_format(task->poses), "points") && !settings->aim.inward && task->point_error[0]) {
+    if (format_is(facts.format, "points") && !settings->aim.inward && task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
-    bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
-                      !settings->of_axis && !format_of(task->format)->is_foreign;
+    bool has_points = facts.has_points && !task->point_error[0] && !task->probe && !settings->of_axis &&
+                      !format_of(task->format)->is_foreign;
     int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points,
-                                   conus_pose_stream_has_radii(task->poses), conus_pose_stream_space(task->poses));
+                                   facts.has_radii, facts.space);
     if (code) {
         return code;
     }
@@ -352,7 +353,7 @@ static int build_task(struct task *task)
                    .places = task->places.items,
                    .place_count = task->places.count,
                    .points = has_points,
-                   .radii = has_points && conus_pose_stream_has_radii(task->poses),
+                   .radii = has_points && facts.has_radii,
                    .marks = &task->marks,
                    .probe = task->probe,
                    .roll = settings->probe.roll,
@@ -437,12 +438,13 @@ static int identify(struct task *task)
     pose_settings_text(reading, &settings->file, &settings->aim, &settings->engine);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *words = settings->poses + conus_pose_path_length(settings->poses); /* by which they are read */
+    const conus_pose_facts facts = conus_pose_stream_facts(task->poses);
     const char *sources[12] = {angle,
                                reading,
                                conus_batch_header(task->batch),
                                task->pose_hash,
-                               conus_pose_stream_space(task->poses),
-                               conus_pose_stream_coordsystem_sha256(task->poses),
+                               facts.space,
+                               facts.coordsystem_sha256,
                                format,
                                info ? path_name(info->path) : ""};
     const char **more = sources + 8;
@@ -566,7 +568,7 @@ static void say_each_finding(const struct task *task)
     pose_settings_say_late(task->poses, task->settings->poses, task->notes_said, &task->settings->common);
     aim_notes_say(task->aimed, task->atlases.count, pose_settings_file_name(task->settings->poses),
                   &task->settings->common);
-    pose_settings_warn_of_names(conus_pose_stream_head(task->poses), task->settings->poses, &task->atlases);
+    pose_settings_warn_of_names(conus_pose_stream_facts(task->poses).head, task->settings->poses, &task->atlases);
 }
 
 static int say_interrupted(const struct task *task, int signal)
@@ -629,6 +631,7 @@ static int finish_file(struct task *task)
         free(words);
         return status ? print_status(status) : print_no_memory();
     }
+    const conus_pose_facts facts = conus_pose_stream_facts(task->poses);
     struct batch_record record = {
         .shard = task->shard,
         .first = task->first,
@@ -639,17 +642,17 @@ static int finish_file(struct task *task)
         .crc = task->file.crc,
         .pose_file = task->settings->poses,
         .pose_hash = task->pose_hash,
-        .coordsystem = conus_pose_stream_coordsystem(task->poses),
-        .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
+        .coordsystem = facts.coordsystem,
+        .coordsystem_hash = facts.coordsystem_sha256,
         .level_file = settings_level_file(&task->settings->engine),
         .weight_files = task->settings->engine.weight_file,
         .scalp = task->scalp,
         .probe_file = task->settings->probe.path,
         .contacts = conus_probe_contact_count(task->probe),
         .angle = settings_angle(&task->settings->aim, &task->settings->engine),
-        .has_angles = conus_pose_stream_has_angles(task->poses),
-        .has_ranges = conus_pose_stream_has_ranges(task->poses),
-        .has_points = conus_pose_stream_has_points(task->poses) || task->probe,
+        .has_angles = facts.has_angles,
+        .has_ranges = facts.has_ranges,
+        .has_points = facts.has_points || task->probe,
         .aimed = task->shard.count > 1 ? task->aimed : NULL,
         .atlases = task->atlases.count,
     };
@@ -660,8 +663,7 @@ static int finish_file(struct task *task)
     const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
                                       : of_shanks             ? &rows_kinds[0]
                                                               : NULL;
-    bool is_of_points = (engine->radius == 0 || conus_pose_stream_has_radii(task->poses)) && record.has_points &&
-                        !task->aimed[0].found.poses;
+    bool is_of_points = (engine->radius == 0 || facts.has_radii) && record.has_points && !task->aimed[0].found.poses;
     const struct question question = {
         .arguments = task->arguments,
         .rows = of_axis                   ? of_axis->rows

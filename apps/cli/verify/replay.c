@@ -7,7 +7,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <inttypes.h>
 #include <stdarg.h>

@@ -5,7 +5,7 @@
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "options/output.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <stdint.h>
 #include <stdio.h>

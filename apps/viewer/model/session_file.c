@@ -6,7 +6,7 @@
 #include "base/system/system.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <stdio.h>
 #include <string.h>

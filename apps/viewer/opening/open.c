@@ -7,7 +7,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"
-#include "sources/endings.h"
+#include "sources/names.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/viewer.h"
 #include "viewer/opening/parts.h"

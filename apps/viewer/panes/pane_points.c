@@ -3,7 +3,6 @@
 #include "viewer/panes/panes.h"
 
 #include "base/look.h"
-#include "base/look_sizes.h"
 #include "conus/own.h"
 
 #include <math.h>

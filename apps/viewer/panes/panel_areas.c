@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of areas and pathways, with search and check boxes; hemispheres and sides. */
-#include "base/look_sizes.h"
+#include "base/look.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "viewer/model/viewer.h"

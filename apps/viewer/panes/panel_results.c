@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the answer: the table of results, what is asked, and tabs of all else. */
-#include "base/look_sizes.h"
+#include "base/look.h"
 #include "viewer/panes/panes.h"
 
 #include "viewer/model/columns.h"

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct numbers {
+struct numbering {
     uint32_t *now; /* [then + 1] 0 = it is gone */
     size_t then, count;
 };
@@ -44,7 +44,7 @@ static bool mark(bool *is_added, size_t count, const json_t *added)
 }
 
 /* Objects that were not added keep their order; false if there are more or fewer than then: it is another atlas. */
-static bool match_own(struct numbers *numbers, const json_t *then, const json_t *now)
+static bool match_own(struct numbering *numbers, const json_t *then, const json_t *now)
 {
     bool *was_added = calloc(numbers->then + 1, sizeof *was_added);
     bool *is_added = calloc(numbers->count + 1, sizeof *is_added);
@@ -93,7 +93,7 @@ static uint32_t number_of_added(const json_t *root, const struct view_atlas *vie
 }
 
 /* Fills the map, to be freed; false without memory, or if it is another atlas. */
-static bool find_numbers(struct numbers *out, const json_t *root, const struct view_atlas *view, const json_t *then,
+static bool find_numbers(struct numbering *out, const json_t *root, const struct view_atlas *view, const json_t *then,
                          const json_t *now)
 {
     size_t files = json_array_size(then);
@@ -118,14 +118,14 @@ static bool find_numbers(struct numbers *out, const json_t *root, const struct v
 }
 
 /* The object's number now; 0 = it is gone, or the value is no number of an object. */
-static uint32_t number_now(const struct numbers *numbers, const json_t *value)
+static uint32_t number_now(const struct numbering *numbers, const json_t *value)
 {
     json_int_t number = json_integer_value(value);
     return number >= 1 && (uint64_t)number <= numbers->then ? numbers->now[number] : 0;
 }
 
 /* Renumbers a list of objects, or of pairs [object, value], and removes objects that are gone. */
-static void fit_list(json_t *list, bool has_pairs, const struct numbers *numbers)
+static void fit_list(json_t *list, bool has_pairs, const struct numbering *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
         json_t *entry = json_array_get(list, i);
@@ -139,7 +139,7 @@ static void fit_list(json_t *list, bool has_pairs, const struct numbers *numbers
 }
 
 /* Renumbers pins; those in other atlases stay. A pin of an object that is gone keeps its name, or else is removed. */
-static void fit_pins(json_t *list, const struct numbers *numbers)
+static void fit_pins(json_t *list, const struct numbering *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
         json_t *pin = json_array_get(list, i);
@@ -178,7 +178,7 @@ static json_t *fit_thresholds(const json_t *then, const struct view_atlas *view)
     return now;
 }
 
-static void fit_objects(json_t *root, const struct numbers *numbers, const struct view_atlas *view)
+static void fit_objects(json_t *root, const struct numbering *numbers, const struct view_atlas *view)
 {
     json_t *thresholds = json_object_get(root, "thresholds");
     json_t *appearance = json_object_get(root, "look");
@@ -281,7 +281,7 @@ void session_fit(json_t *root, const struct window *window)
     const struct view_atlas *view = window->viewer->atlases;
     size_t added = count_objects(now);
     size_t own = added < view->object_count ? view->object_count - added : 0;
-    struct numbers numbers = {.then = own + count_objects(then), .count = view->object_count};
+    struct numbering numbers = {.then = own + count_objects(then), .count = view->object_count};
     json_int_t objects = json_integer_value(json_object_get(root, "objects"));
     if ((uint64_t)objects == numbers.then && find_numbers(&numbers, root, view, then, now)) {
         fit_objects(root, &numbers, view);
@@ -299,7 +299,7 @@ void session_fit(json_t *root, const struct window *window)
 }
 
 /* Gives the objects of a file that is not there the next numbers. */
-static void number_lost(json_t *entry, struct numbers *numbers)
+static void number_lost(json_t *entry, struct numbering *numbers)
 {
     json_t *objects = json_object_get(entry, "objects");
     for (size_t i = json_array_size(objects); i-- > 0;) { /* other values are no numbers of objects */
@@ -316,7 +316,7 @@ static void number_lost(json_t *entry, struct numbers *numbers)
 }
 
 /* Appends what a list of the session says of the objects that have a number now. */
-static void keep_list(json_t *list, const json_t *then, bool has_pairs, const struct numbers *numbers)
+static void keep_list(json_t *list, const json_t *then, bool has_pairs, const struct numbering *numbers)
 {
     json_t *kept = json_deep_copy(then);
     fit_list(kept, has_pairs, numbers);
@@ -385,8 +385,8 @@ bool session_keep_lost(json_t *root, const struct window *window)
     const json_t *look_then = json_object_get(then, "look");
     size_t count = json_array_size(entries);
     json_int_t objects = json_integer_value(json_object_get(then, "objects"));
-    struct numbers numbers = {.then = objects > 0 ? (size_t)objects : 0,
-                              .count = (size_t)json_integer_value(json_object_get(root, "objects"))};
+    struct numbering numbers = {.then = objects > 0 ? (size_t)objects : 0,
+                                .count = (size_t)json_integer_value(json_object_get(root, "objects"))};
     if (!count || !added) {
         return true;
     }

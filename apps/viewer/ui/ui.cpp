@@ -5,7 +5,6 @@
 #include "viewer/ui/parts.h"
 
 #include "base/look.h"
-#include "base/look_sizes.h"
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>

@@ -4,7 +4,7 @@
 
 #include "viewer/ui/parts.h"
 
-#include "base/look_sizes.h"
+#include "base/look.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>

@@ -2,7 +2,7 @@
 // The font, sizes and colours of Dear ImGui's widgets.
 #include "viewer/ui/parts.h"
 
-#include "base/look_sizes.h"
+#include "base/look.h"
 #include "viewer/ui/ui.h"
 
 #include <imgui.h>

@@ -9,8 +9,7 @@
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "sources/endings.h"
-#include "sources/keys.h"
+#include "sources/names.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -3,7 +3,6 @@
 #include "viewer/window/window.h"
 
 #include "base/look.h"
-#include "base/look_sizes.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "conus/own.h"

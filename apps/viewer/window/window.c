@@ -2,7 +2,7 @@
 /* Opens the window on its screen, lays it out, notes what is to be opened next, decides when a frame is due. */
 #include "viewer/window/window.h"
 
-#include "base/look_sizes.h"
+#include "base/look.h"
 #include "base/system/system.h"
 #include "conus/own.h"
 #include "options/messages.h"

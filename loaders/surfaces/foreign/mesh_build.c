@@ -131,12 +131,30 @@ static bool is_empty(const struct polygon *polygon, size_t ear)
     return true;
 }
 
+/* The vertices must be there. */
+static void add_triangle(struct mesh_build *build, uint32_t a, uint32_t b, uint32_t c)
+{
+    struct job *job = build->sink.job;
+    const struct mesh_triangle triangle = {{a, b, c}};
+    if (build->triangles.count < build->triangles.capacity && job_ok(job)) {
+        build->triangles.at[build->triangles.count++] = triangle;
+    } else {
+        *LIST_ADD(job, &build->triangles) = triangle;
+    }
+    if (build->triangles.count > UINT32_MAX) {
+        job_bad(job, "%zu triangles, allowed are up to 4294967295", build->triangles.count);
+    }
+    if (build->sink.objects.count) {
+        *LIST_ADD(job, &build->owners) = (uint32_t)build->sink.objects.count - 1;
+    }
+}
+
 static void take_ear(struct mesh_build *build, struct polygon *polygon, size_t ear)
 {
     struct polygon_corner *tip = &polygon->corners[ear];
     struct polygon_corner *before = &polygon->corners[tip->previous];
     struct polygon_corner *after = &polygon->corners[tip->next];
-    mesh_build_triangle(build, tip->vertex, after->vertex, before->vertex);
+    add_triangle(build, tip->vertex, after->vertex, before->vertex);
     before->next = tip->next;
     after->previous = tip->previous;
     polygon->ears -= tip->measure > 0;
@@ -162,7 +180,7 @@ static void cut_polygon(struct mesh_build *build, const uint32_t *corners, size_
             /* It crosses itself or has no area: triangles from one corner keep its edges where they are. */
             const struct polygon_corner *all = polygon->corners;
             for (size_t i = all[first].next; all[i].next != first; i = all[i].next) {
-                mesh_build_triangle(build, all[first].vertex, all[i].vertex, all[all[i].next].vertex);
+                add_triangle(build, all[first].vertex, all[i].vertex, all[all[i].next].vertex);
             }
             break;
         }
@@ -173,23 +191,6 @@ static void cut_polygon(struct mesh_build *build, const uint32_t *corners, size_
             polygon->ears--;
             polygon->corners[ear].measure = 0; /* until one beside it goes */
         }
-    }
-}
-
-void mesh_build_triangle(struct mesh_build *build, uint32_t a, uint32_t b, uint32_t c)
-{
-    struct job *job = build->sink.job;
-    const struct mesh_triangle triangle = {{a, b, c}};
-    if (build->triangles.count < build->triangles.capacity && job_ok(job)) {
-        build->triangles.at[build->triangles.count++] = triangle;
-    } else {
-        *LIST_ADD(job, &build->triangles) = triangle;
-    }
-    if (build->triangles.count > UINT32_MAX) {
-        job_bad(job, "%zu triangles, allowed are up to 4294967295", build->triangles.count);
-    }
-    if (build->sink.objects.count) {
-        *LIST_ADD(job, &build->owners) = (uint32_t)build->sink.objects.count - 1;
     }
 }
 
@@ -204,10 +205,10 @@ static void end_cell(struct mesh_sink *sink, enum cell cell)
     } else if (cell == CELL_POLYGON && count > 3) {
         cut_polygon(build, at, count);
     } else if (cell == CELL_POLYGON && count > 0) {
-        mesh_build_triangle(build, at[0], at[count > 1], at[count - 1]);
+        add_triangle(build, at[0], at[count > 1], at[count - 1]);
     }
     for (size_t i = 0; cell == CELL_STRIP && i + 2 < count; i++) {
-        mesh_build_triangle(build, at[i + i % 2], at[i + 1 - i % 2], at[i + 2]);
+        add_triangle(build, at[i + i % 2], at[i + 1 - i % 2], at[i + 2]);
     }
     sink->corners.count = 0;
 }

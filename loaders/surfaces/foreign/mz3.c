@@ -3,7 +3,7 @@
  * faces, vertices, colours and values of vertices. */
 #include "loaders/surfaces/foreign/foreign.h"
 
-#include "base/job/reader.h"
+#include "base/job/job.h"
 
 /* NAMES: the bytes that the header skips are a table of names for the values. */
 enum { HEADER = 16, FACES = 1, VERTICES = 2, COLOURS = 4, VALUES = 8, WIDE_VALUES = 16, NAMES = 64 };

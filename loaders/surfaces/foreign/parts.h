@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_SURFACES_FOREIGN_PARTS_H
 
 #include "atlas/surface/mesh.h"
-#include "base/job/reader.h"
+#include "base/job/job.h"
 #include "loaders/surfaces/foreign/foreign.h"
 
 /* Words, lines and numbers of a file that is text, at least in part. Primitives of a job: after a failure there is
@@ -89,9 +89,6 @@ struct mesh_build {
  * area, so that it is counted; of none there is nothing. One of more than POLYGON_LIMIT corners is
  * CONUS_ERROR_UNSUPPORTED. Every second triangle of a strip is turned around. */
 struct mesh_build mesh_build_of(struct job *job);
-
-/** Appends a triangle; its vertices must be there. */
-void mesh_build_triangle(struct mesh_build *build, uint32_t a, uint32_t b, uint32_t c);
 
 /** Gives vertices and triangles to @p out, which is empty and the caller's to finish; not yet checked (mesh_check()).
  * A failure where there are no triangles. */

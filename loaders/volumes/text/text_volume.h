@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 
 #include "atlas/labels/labels.h"
-#include "base/job/reader.h"
+#include "base/job/job.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,7 +2,6 @@
 /* Contexts, programs, targets and textures, and their errors. */
 #include "base/memory.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 #include "test.h"
 #include "test_gl.h"
 

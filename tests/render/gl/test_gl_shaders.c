@@ -6,7 +6,6 @@
 #include "picture_scene.h"
 #include "render/colour/colour_gl.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 #include "scene.h"
 #include "shader_check.h"
 #include "test.h"

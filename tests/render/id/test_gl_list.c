@@ -2,7 +2,6 @@
 /* Lists that shaders append to: they grow, take turns or refuse. */
 #include "gl_pair.h"
 #include "render/gl/gl.h"
-#include "render/gl/shaders.h"
 #include "test.h"
 #include "test_gl.h"
 

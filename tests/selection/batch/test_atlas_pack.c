@@ -6,7 +6,7 @@
 #include "mesh_scene.h"
 #include "packed_block.h"
 #include "scene.h"
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
 #include "selection/engine/voxels/distance_map.h"
 #include "test.h"
 #include "value_maps.h"

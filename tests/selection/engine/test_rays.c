@@ -3,7 +3,8 @@
 #include "base/geometry/math3.h"
 #include "oracle_traversal.h"
 #include "scene.h"
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
+#include "selection/engine/voxels/traverse.h"
 #include "test.h"
 
 #include <string.h>

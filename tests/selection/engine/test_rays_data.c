@@ -2,7 +2,8 @@
 /* The kernels against the plain traversal, on a real atlas. */
 #include "base/geometry/math3.h"
 #include "oracle_traversal.h"
-#include "selection/engine/engine_rays.h"
+#include "selection/engine/engine.h"
+#include "selection/engine/voxels/traverse.h"
 #include "test.h"
 
 enum { POSES = 250 };

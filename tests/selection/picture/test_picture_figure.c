@@ -2,7 +2,6 @@
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
-#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "conus/own.h"
 #include "picture_scene.h"

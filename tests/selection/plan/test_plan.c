@@ -778,12 +778,19 @@ static void bad_arguments(void **state)
 
 static conus_status attempt(void *data)
 {
+    static const char *const lists[] = {"constraints", "entries", "targets"};
     struct answer answer = {0};
     conus_status status = try_ask(&answer, data);
     const conus_planned *tried;
     conus_pose_row row = {.id = "a name", .range = {NAN, 18}};
     status = status ? status : conus_pose_along(&row.pose, (double[]){0, 13, 13}, (double[]){1, 0, 0}, NULL);
     status = status ? status : conus_plan_try(&tried, answer.plan, &row);
+    for (size_t i = 0; i < sizeof lists / sizeof *lists && !status; i++) {
+        conus_table *list = NULL;
+        status = conus_plan_list(&list, answer.plan, lists[i]);
+        assert_true(!status == (list != NULL));
+        conus_table_destroy(list);
+    }
     end(&answer);
     return status;
 }

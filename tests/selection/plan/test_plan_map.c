@@ -2,7 +2,7 @@
 /* Maps of plans: their answers, against distances from all cells, one by one, and lengths in all cells. */
 #include "base/geometry/math3.h"
 #include "scene.h"
-#include "selection/plan/plan_deepest.h"
+#include "selection/plan/plan.h"
 #include "test.h"
 
 #include <math.h>

@@ -534,6 +534,28 @@ static void a_callback_ends_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static conus_status make_jitter(void *data)
+{
+    const conus_pose pose = down_from(0, 0, 100);
+    const conus_jitter_options options = {.shift = 1, .tilt = 1, .samples = 16};
+    conus_selector *selector = NULL;
+    conus_table *jitter = NULL;
+    conus_status status = conus_selector_create(&selector, data, &(conus_selector_options){.layers = CONUS_LAYERS_ALL});
+    status = status ? status : conus_jitter(&jitter, selector, &pose, 10, &options);
+    assert_true(!status == (jitter != NULL));
+    conus_table_destroy(jitter);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = half_spaces(0);
+    test_every_allocation(make_jitter, atlas);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(jitter)
 {
     const struct CMUnitTest tests[] = {
@@ -552,6 +574,7 @@ TEST_GROUP(jitter)
         cmocka_unit_test(all_layers_know_what_is_hidden),
         cmocka_unit_test(a_callback_ends_it),
         cmocka_unit_test(limits_are_named),
+        cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

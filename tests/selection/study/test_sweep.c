@@ -463,6 +463,31 @@ static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static conus_status make_sweep(void *data)
+{
+    conus_selector *selector = NULL;
+    conus_table *sweep = NULL;
+    conus_pose pose;
+    conus_status status = conus_pose_along(&pose, (double[]){0, 0, 50}, (double[]){0, 0, -1}, NULL);
+    status = status ? status : conus_selector_create(&selector, data, NULL);
+    status = status ? status : conus_sweep(&sweep, selector, &pose, 170);
+    assert_true(!status == (sweep != NULL));
+    conus_table_destroy(sweep);
+    conus_selector_destroy(selector);
+    return status;
+}
+
+static void every_failing_allocation_is_survived(void **state)
+{
+    (void)state;
+    uint64_t seed = 5;
+    conus_atlas *atlas = scene_atlas(&seed, 6, 0);
+    struct mesh box = mesh_scene_box((const double[]){-5, -5, -5}, (const double[]){5, 5, 5});
+    mesh_scene_add(atlas, &box);
+    test_every_allocation(make_sweep, atlas);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(sweep)
 {
     const struct CMUnitTest tests[] = {
@@ -477,6 +502,7 @@ TEST_GROUP(sweep)
         cmocka_unit_test(ties_go_to_the_nearer_then_to_the_lower_number),
         cmocka_unit_test(a_hidden_bundle_is_not_admitted),
         cmocka_unit_test(limits_are_named),
+        cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
