@@ -8,6 +8,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <string.h>
 
 /* NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2 and 1.3.6.7.4. */
 static void quantiles_are_those_of_tables(void **state)
@@ -72,6 +73,32 @@ static void errors_are_of_the_axis(void **state)
     assert_true(isnan(conus_table_numbers(table, "value")[5]) && isnan(conus_table_numbers(table, "p")[6]));
     conus_table_destroy(table);
     assert_fails(conus_calibrate(&table, trials, TRIALS - 1), CONUS_ERROR_DATA);
+}
+
+/* The last trial aims at nothing, at the device itself, and behind it; then all trials are one. */
+static void trials_that_tell_no_error_are_refused(void **state)
+{
+    (void)state;
+    static const char *const why[] = {
+        "trial 5: no point that was aimed at: ", "trial 5: the device is where it was aimed at: ",
+        "trial 5: the device points 90 degrees or more away from what was aimed at: ",
+        "all 5 trials are off alike: no spread can be found"};
+    conus_trial trials[TRIALS];
+    conus_table *table = NULL;
+    for (size_t i = 0; i < 4; i++) {
+        make_trials(trials);
+        conus_trial *last = &trials[TRIALS - 1];
+        const double *m = last->pose.world_from_device; /* its position is the last column, its axis -z */
+        for (int a = 0; a < 3; a++) {
+            last->aim[a] = i == 0 ? NAN : m[12 + a] + (i == 2 ? 10 * m[8 + a] : 0);
+        }
+        for (size_t k = 0; k < TRIALS && i == 3; k++) {
+            trials[k] = trials[0];
+        }
+        assert_fails(conus_calibrate(&table, trials, TRIALS), CONUS_ERROR_DATA);
+        assert_int_equal(strncmp(conus_message(), why[i], strlen(why[i])), 0);
+        assert_null(table);
+    }
 }
 
 static conus_status calibrate(void *data)
@@ -143,6 +170,7 @@ TEST_GROUP(calibration)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quantiles_are_those_of_tables),
         cmocka_unit_test(errors_are_of_the_axis),
+        cmocka_unit_test(trials_that_tell_no_error_are_refused),
         cmocka_unit_test(studies_end_cleanly),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
