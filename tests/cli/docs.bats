@@ -120,7 +120,7 @@ parses() {
     sphere --size 16
     conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --layers all --weight hard --prior size --format tsv | head -1 | tr '\t' '\n' >there
     awk '/^##/ { on = /^### Columns/ } on' "$DOCS" |
-        sed -nE 's/^\| `([a-z0-9_]+)` .*/\1/p' >said
+        sed -nE 's/^\| `([a-z0-9_` ]+)` \|.*/\1/p' | tr -d '`' | tr ' ' '\n' >said
     diff there said
 }
 
