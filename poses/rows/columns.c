@@ -605,7 +605,8 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "ex ey ez beside %s are axes of a sensor: bring positions and axes from its space to the atlas's, and "
                  "call the axis into the head dx dy dz (turn its signs where it points out)",
                  FAMILY_SHOWN(head, position));
-        bool are_angles = is_other && (strstr(family->stem, "rot") || strstr(family->stem, "euler"));
+        bool are_angles = is_other && (text_starts(text_from(family->stem), "rot") || strstr(family->stem, " rot") ||
+                                       strstr(family->stem, "euler"));
         FAULT_IF(are_angles, head,
                  "%s beside %s are angles, whose order programs do not agree on: export a matrix (m00...m33) or a "
                  "quaternion (qw qx qy qz); without them the rows are points",
