@@ -277,10 +277,11 @@ static void p_values_add(struct p_values *p, float value, double threshold)
 
 /* Warns where a region, or a pathway, looks like the large values of a map of p values, whose small ones are meant: all
  * values are from 0 to 1 and no mask's. Either they end at a level at which p is cut, with many just below it, unlike a
- * field's or a diffusivity's few largest ones, and begin again above 1 minus it at most; or the threshold takes most. One at which p is seldom cut might be of a map of probabilities; p is even
- * where there is no effect, so each tenth above the first has some. Of pathways, which are probabilities, the upper
- * tenths are also alike, as in each of 48 simulated smooth fields of a two-sided p, but in none of 68 published maps;
- * of one side with effects of the other sign they are not. */
+ * field's or a diffusivity's few largest ones, and begin again above 1 minus it at most; or the threshold takes most.
+ * One at which p is seldom cut might be of a map of probabilities; p is even where there is no effect, so each tenth
+ * above the first has some. Of pathways, which are probabilities, the upper tenths are also alike, as in each of 48
+ * simulated smooth fields of a two-sided p, but in none of 68 published maps; of one side with effects of the other
+ * sign they are not. */
 static void warn_of_p_values(struct job *job, const conus_volume_info *info, const struct p_values *p, bool is_pathway)
 {
     static const double CUT = 0.1;   /* p is seldom cut above */

@@ -276,8 +276,8 @@ static void parse_elc(const struct pose_reading *to, struct text text)
         named += text_word(&labels, &label) && !name.size; /* in the order of the positions */
         bool is_other = name.size != label.size || memcmp(name.data, label.data, name.size) != 0;
         if (name.size && label.size && is_other && !memchr(name.data, ' ', name.size)) {
-            job_bad(to->job, "line %zu of Positions is of \"%.*s\", its word of Labels is \"%.*s\": which is it?", i + 1,
-                    POSE_QUOTE(name), POSE_QUOTE(label));
+            job_bad(to->job, "line %zu of Positions is of \"%.*s\", its word of Labels is \"%.*s\": which is it?",
+                    i + 1, POSE_QUOTE(name), POSE_QUOTE(label));
         }
         pose_add_point(to, i + 1, point, false, name.size ? name : label, is_read ? NULL : "x y z are needed");
     }
