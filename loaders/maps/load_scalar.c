@@ -250,9 +250,13 @@ static void choose_unit(struct job *job, conus_volume_info *info, const char *wa
     }
 }
 
+static const double levels[] = {0.05, 0.01, 0.005, 0.001}; /* at which p is cut */
+enum { LEVELS = sizeof levels / sizeof *levels };
+
 /* The values of a map that are not 0, as p values have them. */
 struct p_values {
     size_t some, taken, tenths[10]; /* taken: by the threshold */
+    size_t below[LEVELS];           /* By a tenth of the level at most. */
     float low, high, small;         /* small: the largest below a half */
 };
 
@@ -265,24 +269,27 @@ static void p_values_add(struct p_values *p, float value, double threshold)
         p->some++;
         p->taken += value >= tolerance_least(threshold);
         p->tenths[value > 0 && value < 1 ? (size_t)(10 * value) : 9]++;
+        for (size_t i = 0; i < LEVELS; i++) {
+            p->below[i] += value > 0.9 * levels[i] && value < 1.001 * levels[i];
+        }
     }
 }
 
 /* Warns where a region, or a pathway, looks like the large values of a map of p values, whose small ones are meant: all
- * values are from 0 to 1 and no mask's. Either they end below a level at which p is cut, and begin again above 1 minus
- * it at most; or the threshold takes most. One at which p is seldom cut might be of a map of probabilities; p is even
- * where there is no effect, so each tenth above the first has some. Of pathways, which are probabilities, the upper
- * tenths are also alike, as in each of 48 simulated smooth fields of a two-sided p, but in none of 68 published maps;
- * of one side with effects of the other sign they are not. */
+ * values are from 0 to 1 and no mask's. Either they end at a level at which p is cut, with many just below it, unlike a
+ * field's or a diffusivity's few largest ones, and begin again above 1 minus it at most; or the threshold takes most.
+ * One at which p is seldom cut might be of a map of probabilities; p is even where there is no effect, so each tenth
+ * above the first has some. Of pathways, which are probabilities, the upper tenths are also alike, as in each of 48
+ * simulated smooth fields of a two-sided p, but in none of 68 published maps; of one side with effects of the other
+ * sign they are not. */
 static void warn_of_p_values(struct job *job, const conus_volume_info *info, const struct p_values *p, bool is_pathway)
 {
-    static const double LEVELS[] = {0.05, 0.01, 0.005, 0.001};
     static const double CUT = 0.1;   /* p is seldom cut above */
     static const double LEAST = 0.5; /* of what even values have */
     static const double ALIKE = 1.6; /* most, of least */
     bool is_cut = false;
-    for (size_t i = 0; i < sizeof LEVELS / sizeof *LEVELS; i++) {
-        bool is_near = p->small > 0.9 * LEVELS[i] && p->small < 1.001 * LEVELS[i];
+    for (size_t i = 0; i < LEVELS; i++) {
+        bool is_near = p->small > 0.975 * levels[i] && p->small < 1.001 * levels[i] && 100 * p->below[i] > p->tenths[0];
         is_cut = is_cut || (is_near && p->tenths[0] + p->tenths[9] == p->some);
     }
     bool is_even = true;

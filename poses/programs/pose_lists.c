@@ -83,7 +83,7 @@ static const struct layout {
     {".elp", "", .refused = SAVE_NO_ANGLES},
     {".locs", "", .refused = SAVE_NO_ANGLES},
     {".loc", "", .refused = SAVE_NO_ANGLES},
-    {"", "EF max. loc.",
+    {"", "EF max. loc. (x)",
      .refused = "an export of Nexstim has the axes of its own image, which are no atlas's: bring the places to RAS mm "
                 "of the scan, or to MNI, and save them as name,x,y,z"},
     {".fif", "", .refused = "a file of MNE's (.fif): " SAVE_IN_MNI},
@@ -199,9 +199,10 @@ static void check_count(const struct pose_reading *to, const struct layout *layo
     }
     at += strlen(layout->count);
     (void)text_line(&(struct text){at, text.size - (size_t)(at - text.data)}, &line);
-    if (!text_to_uint(text_trim(line), UINT64_MAX, &stated) || stated != to->list->count) {
-        job_bad(to->job, "numpoints: it says \"%.*s\" points, there are %zu: the file is not whole", POSE_QUOTE(line),
-                to->list->count);
+    line = text_trim(line);
+    if (!text_to_uint(line, UINT64_MAX, &stated) || stated != to->list->count) {
+        job_bad(to->job, "%s: it says \"%.*s\" points, there are %zu: the file is not whole",
+                layout->count[0] == 'N' ? "NumberPositions" : "numpoints", POSE_QUOTE(line), to->list->count);
     }
 }
 
@@ -259,20 +260,31 @@ static void parse_elc(const struct pose_reading *to, struct text text)
     struct text labels = section(text, "Labels");
     struct text positions = section(text, "Positions");
     struct text line;
+    struct text label = {"", 0};
+    size_t named = 0;
     if (!(scale > 0)) {
         job_bad(to->job, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
     }
     for (size_t i = 0; job_ok(to->job) && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
         struct text name = {"", 0};
-        struct text label = {"", 0};
         double point[3];
         bool is_read = read_electrode(point, &name, line);
         if (!text_trim(line).size) {
             continue;
         }
-        (void)text_word(&labels, &label); /* in the order of the positions */
+        label = (struct text){"", 0};
+        named += text_word(&labels, &label) && !name.size; /* in the order of the positions */
+        bool is_other = name.size != label.size || memcmp(name.data, label.data, name.size) != 0;
+        if (name.size && label.size && is_other && !memchr(name.data, ' ', name.size)) {
+            job_bad(to->job, "line %zu of Positions is of \"%.*s\", its word of Labels is \"%.*s\": which is it?",
+                    i + 1, POSE_QUOTE(name), POSE_QUOTE(label));
+        }
         pose_add_point(to, i + 1, point, false, name.size ? name : label, is_read ? NULL : "x y z are needed");
     }
+    if (named && named + text_word(&labels, &label) != to->list->count) {
+        job_bad(to->job, "%zu positions, and another number of Labels", to->list->count);
+    }
+    check_count(to, &(const struct layout){.count = "NumberPositions="}, text);
     to->list->is_cap = true;
     to->list->space.scale = scale;
 }

@@ -176,6 +176,10 @@ void columns_hear_words(struct head *head)
             "y back; %s; if only one is turned, change its signs in the file",
             space_any(CONUS_SPACE_RAS));
     }
+    if (said->has_signs && head->has_axes && head->side * (said->signs == CONUS_SPACE_LPS ? -1 : 1) < 0) {
+        job_bad(job, "%s is said, and brackets of the header or --space say another: which is it?",
+                said->signs == CONUS_SPACE_LPS ? "LPS" : "RAS");
+    }
     if (said->are_two && !out->is_own_unit) {
         job_bad(job, "two units are named: which is that of the positions?");
     }

@@ -152,9 +152,7 @@ static char direction_of(struct text *open, struct text cell)
 static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
 {
     double unit = 0;
-    struct text open;
-    (void)direction_of(&open, cell);
-    cell = open;
+    struct text open = cell;
     char last = cell.size ? cell.data[cell.size - 1] : 0;
     const char *bracket = last == ')'   ? text_last(cell, '(')
                           : last == ']' ? text_last(cell, '[')
@@ -446,12 +444,13 @@ static void take_family(struct head *head, const struct family *family, enum col
         FAULT_IF(text_starts(cell, "-") && !head->is_named, head,
                  "column \"%.*s\" says that its numbers have the other sign: turn them, and call it %.*s",
                  POSE_QUOTE(cell), (int)cell.size - 1, cell.data + 1);
-        const char grows = direction_of(&(struct text){0}, cell);
-        bool is_turned = grows && grows != "RAS"[k];
-        out->said.may_be_lps |= is_turned && grows == "LP"[k == 1] && k < 2;
-        FAULT_IF(is_turned && !(grows == "LP"[k == 1] && k < 2), head,
-                 "column \"%.*s\" says another axis or sign than %c: turn the columns to RAS", POSE_QUOTE(cell),
-                 "RAS"[k]);
+        const char grows = head->has_axes ? direction_of(&(struct text){0}, cell) : '\0';
+        const int side = k == 2 || !grows ? 0 : grows == "RA"[k] ? 1 : grows == "LP"[k] ? -1 : 0;
+        FAULT_IF((grows && !side && (k < 2 || grows != 'S')) || side * head->side < 0, head,
+                 "column \"%.*s\" says another axis or sign than %c%s: turn the columns to RAS", POSE_QUOTE(cell),
+                 (head->side < 0 ? "LPS" : "RAS")[k], head->side ? " of other columns or --space" : "");
+        head->side = side ? side : head->side;
+        out->said.may_be_lps |= side < 0;
         double own = head->unit[family->at[k]];
         FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
@@ -606,7 +605,8 @@ static void refuse_turned(struct head *head, const struct family *position)
                  "ex ey ez beside %s are axes of a sensor: bring positions and axes from its space to the atlas's, and "
                  "call the axis into the head dx dy dz (turn its signs where it points out)",
                  FAMILY_SHOWN(head, position));
-        bool are_angles = is_other && (strstr(family->stem, "rot") || strstr(family->stem, "euler"));
+        bool are_angles = is_other && (text_starts(text_from(family->stem), "rot") || strstr(family->stem, " rot") ||
+                                       strstr(family->stem, "euler"));
         FAULT_IF(are_angles, head,
                  "%s beside %s are angles, whose order programs do not agree on: export a matrix (m00...m33) or a "
                  "quaternion (qw qx qy qz); without them the rows are points",
@@ -739,6 +739,7 @@ static bool is_on_its_side(const struct head *head)
 {
     struct text rest = head->text;
     struct text text;
+    struct text cell;
     struct table_line line;
     size_t called[3] = {0};
     while (text_line(&rest, &text)) {
@@ -746,7 +747,8 @@ static bool is_on_its_side(const struct head *head)
         if (!table_split(&line, &head->out->table, text) || line.count < 2) {
             continue;
         }
-        (void)normalise(name, line.cells[0]);
+        (void)direction_of(&cell, line.cells[0]);
+        (void)normalise(name, cell);
         const char *letter = strrchr(name, ' ') ? strrchr(name, ' ') + 1 : name;
         called[0] += strcmp(letter, "x") == 0;
         called[1] += strcmp(letter, "y") == 0;
@@ -1172,8 +1174,16 @@ static void find_columns(struct head *head)
     out->said = (struct space_words){0};
     out->pairs = 0;
     out->space = head->options->space;
+    struct text open;
+    head->side = out->space == CONUS_SPACE_LPS ? -1 : 0;
+    head->has_axes = false; /* (L) and (R) alone may be of hemispheres */
     for (size_t i = 0; i < head->line.count; i++) {
-        head->unit[i] = normalise(head->names[i], head->line.cells[i]);
+        const char grows = direction_of(&open, head->line.cells[i]);
+        head->has_axes = head->has_axes || (grows && grows != 'L' && grows != 'R');
+    }
+    for (size_t i = 0; i < head->line.count; i++) {
+        (void)direction_of(&open, head->line.cells[i]);
+        head->unit[i] = normalise(head->names[i], head->has_axes ? open : head->line.cells[i]);
     }
     for (size_t i = 2; i < head->line.count; i++) { /* SPM's spreadsheet calls each of the three so */
         bool is_triad = strcmp(head->names[i - 2], "x y z") == 0 && strcmp(head->names[i - 1], "x y z") == 0 &&

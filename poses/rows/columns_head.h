@@ -60,6 +60,8 @@ struct head {
     size_t row_count, row_capacity;
     struct column_cells cells[TABLE_CELLS]; /**< Of their columns. */
     bool is_on_its_side;                    /**< Rows are called x, y and z. */
+    bool has_axes;                          /**< Brackets say where x, y and z grow: */
+    int side;                               /**< 1 as in RAS, -1 as in LPS, as --space may, too; 0 unsaid. */
     bool lacks_space;                       /**< It has AP, ML and DV, which --space does not. */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
     double unit[TABLE_CELLS]; /**< mm, as space_unit_mm(). */

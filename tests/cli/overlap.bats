@@ -148,10 +148,15 @@ the large ones; such a map is asked as 1 - p, or as its z values"* ]]
     map '0 0.0001 0.0049 0.996 0.999 0 0 0' # of both tails, at 0.005
     run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.99
     [[ "$stderr" == *"map.nrrd: the region is 50 % of the voxels"* ]]
+    map "0.001 0.02 0.0499 $(awk 'BEGIN { for (i = 0; i < 400; i++) printf "1 " }')" # cut at 0.05, 1 elsewhere
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.25
+    [[ "$stderr" == *"map.nrrd: the region is 99.3 % of the voxels"* ]]
     map '0 0.95 0.96 0.99 0.999 0 0 0' # 1 - p, cut: the large ones are meant
     answers overlap nested.nii.gz map.nrrd --threshold 0.95
     map '0 0.0001 0.01 0.03 0.08 0 0 0' # small values that end at no p
     answers overlap nested.nii.gz map.nrrd --threshold 0.05
+    map "$(awk 'BEGIN { for (i = 0; i < 300; i++) printf "%g ", 0.001 * exp(-i / 10) }')" # a field: 2 near its largest
+    answers overlap nested.nii.gz map.nrrd --threshold 0.0005
 }
 
 # Published maps of probabilities have a tail, or most at both ends.
