@@ -712,10 +712,8 @@ static void shrink_bound(conus_together *together)
 {
     const struct search_answer *known = &together->known;
     int64_t most = known->found && known->least > known->most ? known->least : known->most;
-    int64_t limit = most_of_next(together);
     most = most > together->unknown ? most : together->unknown;
-    limit = most < limit ? most : limit;
-    together->bound = limit < together->bound ? limit : together->bound;
+    together->bound = most < together->bound ? most : together->bound;
 }
 
 static void tell_so_far(conus_so_far *out, conus_together *together)
@@ -889,7 +887,7 @@ static conus_status search_entry(conus_together *together)
     conus_status status = CONUS_OK;
     together->has_answer = false;
     together->is_searching = true;
-    together->bound = INT64_MAX;
+    together->bound = most_of_next(together); /* here, since lists that are being extended have no first item */
     while (is_longer && !status) {
         status = search_known(together);
         find_cuts(together);

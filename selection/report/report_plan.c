@@ -130,23 +130,20 @@ static bool is_of_words(const struct report_column *column)
     return column->type == COLUMN_NAME || column->type == COLUMN_TEXT;
 }
 
-/* Cuts long words where a table is too wide for a terminal, the longest first. */
+/* Cuts candidates where a table is too wide for a terminal. Names of needles and areas stay whole: they differ at their
+ * ends, by numbers and sides. */
 static void fit_widths(int *widths, const struct report_columns *columns)
 {
-    enum { TERMINAL = 80, GAP = 2, WORD_LEAST = 12 };
-    for (bool is_cut = true; is_cut;) {
-        int all = -GAP;
-        size_t longest = 0;
-        int length = 0;
-        for (size_t c = 0; c < columns->count; c++) {
-            all += widths[c] ? widths[c] + GAP : 0;
-            if (is_of_words(columns->at[c]) && widths[c] > length) {
-                length = widths[c];
-                longest = c;
-            }
+    enum { TERMINAL = 80, GAP = 2, CANDIDATE_LEAST = 12 };
+    int over = -TERMINAL - GAP;
+    for (size_t c = 0; c < columns->count; c++) {
+        over += widths[c] ? widths[c] + GAP : 0;
+    }
+    for (size_t c = 0; c < columns->count; c++) {
+        while (over > 0 && widths[c] > CANDIDATE_LEAST && strcmp(columns->at[c]->name, "query") == 0) {
+            widths[c]--;
+            over--;
         }
-        is_cut = all > TERMINAL && length > WORD_LEAST;
-        widths[longest] -= is_cut;
     }
 }
 

@@ -337,6 +337,13 @@ table() { # LINE...
     grep -E '^[ABC] ' people | head -n 3 | tr -s ' ' | cmp - wanted
     [ "$(head -n 3 wanted | cut -d ' ' -f 2,3 | tr '\n' ' ')" = "14.00 0.00 14.00 10.00 34.00 0.00 " ]
     [ "$(wc -L <people)" -le 80 ]
+    # only candidates are cut: names of needles differ at their ends
+    long='Trajectory to the left anterior hippocampus'
+    sed -i "s/^\([ABC]\)\t/$long \1\t/" needles.tsv
+    sed -i 's/^[ABC]\t/a candidate with a name as long as this &/' ?.tsv
+    conus $N --arcs 20,slider=10 -q >people
+    for name in A B C; do [ "$(grep -c "^$long $name  " people)" = 2 ]; done
+    [ "$(grep -c "^$long [ABC]  a candida\.\.\.  .*  Sphere  " people)" = 3 ]
 }
 
 @test "a plan that is given whole says what is amiss with it, and no more" {
