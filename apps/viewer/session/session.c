@@ -368,6 +368,7 @@ static void put_session(struct window *window, struct session *session, const js
             property_put(window, &properties[i], session->values[i]);
         }
     }
+    viewer->chosen_point *= viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY; /* undo keeps it beside a mouse */
     put_head(&viewer->head, session->values);
     devices_set_speed(&window->inputs.devices, session->values[PROPERTY_SPEED][0]);
     viewer->list.columns = session->columns;
