@@ -163,6 +163,10 @@ static void a_session_keeps_what_is_chosen(void **state)
     assert_int_equal(scene.viewer.chosen_point, 2);
     assert_true(scene.viewer.tools[FIRST_TOOL].is_point);
     assert_string_equal(best_of(&scene.viewer), "Shell outer");
+    assert_int_equal(use_list(&scene, "name,x,y,z\nA1,0,0,0\nA2,0,20,0\n"), 0); /* row 2 is another place now */
+    assert_true(session_read(&scene.window, session, "session", why));
+    assert_int_equal(scene.viewer.chosen_point, 0);
+    assert_near(scene.viewer.tools[FIRST_TOOL].pose.world_from_device[12], 20, 0);
     json_decref(session);
     viewer_finish(&scene.viewer);
 }
