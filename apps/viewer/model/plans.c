@@ -3,6 +3,7 @@
 #include "viewer/model/viewer.h"
 
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "settings/settings.h"
@@ -118,7 +119,7 @@ static bool is_of_name(const struct viewer *viewer, const char *names, const cha
     const conus_atlas *atlas = viewer->atlases->atlas;
     const size_t length = strlen(names);
     const bool is_quoted = length > 1 && names[0] == '"' && names[length - 1] == '"';
-    char *bare = strndup(names + is_quoted, length - 2 * (size_t)is_quoted);
+    char *bare = text_copy(names + is_quoted, length - 2 * (size_t)is_quoted);
     uint32_t found[2];
     const bool is = strcmp(names, name) == 0 || strcmp(names, quoted) == 0 ||
                     (bare && !strpbrk(bare, is_quoted ? "\"" : ",\"") && !conus_atlas_find(&found[0], atlas, bare) &&
