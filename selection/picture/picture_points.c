@@ -316,20 +316,31 @@ static bool is_free(const struct draw_box *box, const struct draw_box *taken, si
     return true;
 }
 
-/* Finds a place for a name around its ball that is free of all that is `taken`; false where there is none. */
+/* Whether the line of a ball passes a box. */
+static bool passes(const struct ball *ball, const struct draw_box *box)
+{
+    double span[2] = {ball->whole[0], ball->whole[1]};
+    clip(span, ball->line[0][0], ball->line[1][0], box->left, box->right);
+    clip(span, ball->line[0][1], ball->line[1][1], box->top, box->bottom);
+    return span[1] > span[0];
+}
+
+/* Finds a place for a name around its ball that is free of all that is `taken`, one beside its line first; false where
+ * there is none. */
 static bool place_name(struct draw_box *out, const struct ball *ball, const double size[2], double gap,
                        const struct draw_box *limit, const struct draw_box *taken, size_t count)
 {
     static const double sides[][2] = {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}};
-    for (size_t n = 0; n < sizeof sides / sizeof *sides; n++) {
-        const bool is_corner = sides[n][0] != 0 && sides[n][1] != 0;
-        const double away = (is_corner ? 0.75 : 1) * (ball->radius + gap);
-        const double middle[2] = {ball->at[0] + sides[n][0] * (away + size[0] / 2),
-                                  ball->at[1] + sides[n][1] * (away + size[1] / 2)};
+    const size_t side_count = sizeof sides / sizeof *sides;
+    for (size_t n = 0; n < 2 * side_count; n++) {
+        const double *side = sides[n % side_count];
+        const double away = (side[0] != 0 && side[1] != 0 ? 0.75 : 1) * (ball->radius + gap);
+        const double middle[2] = {ball->at[0] + side[0] * (away + size[0] / 2),
+                                  ball->at[1] + side[1] * (away + size[1] / 2)};
         *out = (struct draw_box){middle[0] - size[0] / 2, middle[1] - size[1] / 2, middle[0] + size[0] / 2,
                                  middle[1] + size[1] / 2};
         if (out->left >= limit->left && out->right <= limit->right && out->top >= limit->top &&
-            out->bottom <= limit->bottom && is_free(out, taken, count)) {
+            out->bottom <= limit->bottom && is_free(out, taken, count) && (n >= side_count || !passes(ball, out))) {
             return true;
         }
     }

@@ -187,6 +187,7 @@ static void an_avoid_is_known_by_what_it_is_about(void **state)
         {"[\"--avoid=Ball,margin=3\",\"--avoid=U,margin=1\"]", "[\"--avoid=U,margin=1\"]"},
         {"[\"--avoid=2,margin=3\",\"--avoid=U,margin=1\"]", "[\"--avoid=U,margin=1\"]"},
         {"[\"--avoid=U,margin=1\",\"--avoid=\\\"Ball\\\",share=0.1\"]", "[\"--avoid=U,margin=1\"]"},
+        {"[\"--avoid=\\\"ball\\\",margin=3\",\"--avoid=U,margin=1\"]", "[\"--avoid=U,margin=1\"]"},
         {"[\"--avoid=U,Ball,margin=1\"]", "[\"--avoid=U,Ball,margin=1\"]"},
     };
     struct viewer viewer;

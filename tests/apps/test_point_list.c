@@ -163,6 +163,10 @@ static void a_session_keeps_what_is_chosen(void **state)
     assert_int_equal(scene.viewer.chosen_point, 2);
     assert_true(scene.viewer.tools[FIRST_TOOL].is_point);
     assert_string_equal(best_of(&scene.viewer), "Shell outer");
+    assert_int_equal(use_list(&scene, "name,x,y,z\nA1,0,0,0\nA2,0,20,0\n"), 0); /* row 2 is another place now */
+    assert_true(session_read(&scene.window, session, "session", why));
+    assert_int_equal(scene.viewer.chosen_point, 0);
+    assert_near(scene.viewer.tools[FIRST_TOOL].pose.world_from_device[12], 20, 0);
     json_decref(session);
     viewer_finish(&scene.viewer);
 }
@@ -225,7 +229,44 @@ static void a_needle_of_a_list_ends(void **state)
     points_choose(&scene.viewer, 1);
     points_choose(&scene.viewer, 0);
     assert_near(scene.viewer.cone.options.range[1], 0, 0);
+    scene.viewer.cone.options.sampling = CONUS_SAMPLING_SLICES; /* which have no depths, as conus query says */
+    points_choose(&scene.viewer, 1);
+    assert_int_equal(scene.viewer.chosen_point, 0);
+    assert_non_null(strstr(scene.viewer.message, "needs exact sampling"));
+    scene.viewer.cone.options.layers = CONUS_LAYERS_VISIBLE;
+    points_choose(&scene.viewer, 2);
+    assert_int_equal(scene.viewer.chosen_point, 2);
     viewer_finish(&scene.viewer);
+}
+
+/* Undo goes from row to row, each with its own depth, and back to a mouse that has none. */
+static void undo_goes_from_needle_to_needle(void **state)
+{
+    static const char text[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,30\nN2,-50,0,9,1,0,0,36\n";
+    static const double far[] = {0, 30, 36}, height[] = {0, 0, 9};
+    static const struct {
+        int by;
+        uint32_t row;
+    } steps[] = {{-1, 1}, {-1, 0}, {1, 1}, {1, 2}, {-1, 1}};
+    struct list_scene scene;
+    struct viewer *viewer = &scene.viewer;
+    (void)state;
+    open_list(&scene);
+    assert_int_equal(use_list(&scene, text), 0);
+    undo_note(&scene.window);
+    for (uint32_t row = 1; row <= 2; row++) {
+        points_choose(viewer, row);
+        undo_note(&scene.window);
+    }
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        const uint32_t row = steps[i].row;
+        undo_step(&scene.window, steps[i].by);
+        assert_int_equal(viewer->chosen_point, row);
+        assert_near(viewer->cone.options.range[1], far[row], 0);
+        assert_true(!row || viewer->tools[FIRST_TOOL].pose.world_from_device[14] == height[row]);
+    }
+    changes_finish(&scene.window.history.changes);
+    viewer_finish(viewer);
 }
 
 TEST_GROUP(point_list)
@@ -238,6 +279,7 @@ TEST_GROUP(point_list)
         cmocka_unit_test(a_session_keeps_what_is_chosen),
         cmocka_unit_test(lists_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(a_needle_of_a_list_ends),
+        cmocka_unit_test(undo_goes_from_needle_to_needle),
         cmocka_unit_test(a_list_takes_the_place_of_another_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "viewer/model/viewer.h"
 
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "settings/settings.h"
@@ -116,10 +117,15 @@ static char *quote(const char *name)
 static bool is_of_name(const struct viewer *viewer, const char *names, const char *name, const char *quoted)
 {
     const conus_atlas *atlas = viewer->atlases->atlas;
+    const size_t length = strlen(names);
+    const bool is_quoted = length > 1 && names[0] == '"' && names[length - 1] == '"';
+    char *bare = text_copy(names + is_quoted, length - 2 * (size_t)is_quoted);
     uint32_t found[2];
-    return strcmp(names, name) == 0 || strcmp(names, quoted) == 0 ||
-           (!strpbrk(names, ",\"") && !conus_atlas_find(&found[0], atlas, names) &&
-            !conus_atlas_find(&found[1], atlas, name) && found[0] == found[1]);
+    const bool is = strcmp(names, name) == 0 || strcmp(names, quoted) == 0 ||
+                    (bare && !strpbrk(bare, is_quoted ? "\"" : ",\"") && !conus_atlas_find(&found[0], atlas, bare) &&
+                     !conus_atlas_find(&found[1], atlas, name) && found[0] == found[1]);
+    free(bare);
+    return is;
 }
 
 /* Whether a word asks to avoid this alone; in *is_plain whether by nothing but touching it. It is read by itself: words

@@ -195,6 +195,7 @@ void tool_choose(struct viewer *viewer, enum tool_number number, enum pointer po
     struct tool *tool = &viewer->tools[number];
     tool->held = tool->held && tool->pointer == pointer;
     tool->pointer = pointer;
+    viewer->chosen_point *= number != FIRST_TOOL || pointer == POINT_BY_REPLAY; /* of whose row it is not any more */
     viewer->version++;
 }
 

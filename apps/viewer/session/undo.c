@@ -6,10 +6,17 @@
 
 #include <jansson.h>
 
-static bool moves_by_itself(const struct tool *tool)
+/* Whether a file moves the first tool: not where a row of Points is chosen, which is taken back as a whole. */
+static bool is_replayed(const struct viewer *viewer)
 {
+    return viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY && !viewer->chosen_point;
+}
+
+static bool moves_by_itself(const struct viewer *viewer)
+{
+    const struct tool *tool = &viewer->tools[FIRST_TOOL];
     bool is_driven = tool->pointer >= POINT_BY_SPACEMOUSE || tool->pointer == POINT_BY_MOUSE;
-    return tool->pointer == POINT_BY_REPLAY || tool->pointer == POINT_BY_TRACKER || (is_driven && !tool->held);
+    return is_replayed(viewer) || tool->pointer == POINT_BY_TRACKER || (is_driven && !tool->held);
 }
 
 static bool is_left_out(const struct property *property, const struct window *window)
@@ -19,10 +26,9 @@ static bool is_left_out(const struct property *property, const struct window *wi
     case UNDO_LEAVES:
         return true;
     case UNDO_LEAVES_MOVING:
-        return property->object ? second->pointer != POINT_BY_WAND && !second->held
-                                : moves_by_itself(&window->viewer->tools[FIRST_TOOL]);
+        return property->object ? second->pointer != POINT_BY_WAND && !second->held : moves_by_itself(window->viewer);
     case UNDO_LEAVES_REPLAY:
-        return window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY;
+        return is_replayed(window->viewer);
     default:
         return false;
     }

@@ -384,15 +384,16 @@ void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
     }
 }
 
-/* Gives the tool the depths of a row, as conus query does, in a list whose rows have some: a needle of it ends. */
-static void use_depths(struct viewer *viewer, const conus_pose_row *row)
+/* The depths of a row, as conus query has them, in a list whose rows have some: a needle of it ends. Those of the tool
+ * in others. */
+static void find_depths(double range[2], const struct viewer *viewer, const conus_pose_row *row)
 {
-    double *range = viewer->cone.options.range;
     bool has_depths = false;
     for (size_t i = 0; i < conus_pose_list_count(viewer->points.poses) && !has_depths; i++) {
         has_depths = isfinite(conus_pose_list_row(viewer->points.poses, i)->range[1]);
     }
-    if (has_depths && viewer->cone.options.sampling == CONUS_SAMPLING_EXACT) {
+    memcpy(range, viewer->cone.options.range, 2 * sizeof *range);
+    if (has_depths) {
         range[0] = row && isfinite(row->range[0]) ? row->range[0] : 0;
         range[1] = row && isfinite(row->range[1]) ? row->range[1] : viewer->plan.depth;
     }
@@ -405,9 +406,14 @@ void points_choose(struct viewer *viewer, uint32_t row)
         viewer_say(viewer, "line %zu: %s", of->line, of->error);
         return;
     }
+    double range[2];
+    find_depths(range, viewer, of);
+    if (memcmp(range, viewer->cone.options.range, sizeof range) != 0 &&
+        !query_set_range(viewer, range[0], range[1])) { /* which says why not */
+        return;
+    }
     tool_choose(viewer, FIRST_TOOL, of ? POINT_BY_REPLAY : POINT_BY_MOUSE);
     viewer->chosen_point = of ? row : 0;
-    use_depths(viewer, of);
     if (!of) {
         tool_clear(viewer);
         return;

@@ -725,6 +725,37 @@ static void a_needle_is_firm_where_it_is_in_a_cut(void **state)
     conus_image_destroy(image);
 }
 
+/* What a needle without a name draws is as it is beside its name, whichever way it goes from its ball. */
+static void a_name_stands_beside_its_needle(void **state)
+{
+    struct scene scene = need_scene(state);
+    static const double ends[][3] = {{0, -30, 0}, {0, 30, 0}, {0, -30, 4}, {9, -30, -4}};
+    const conus_cut_view cut = {.mm_per_pixel = 0.5, .right = {0, -1, 0}, .up = {0, 0, 1}};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        conus_image *images[2] = {NULL};
+        size_t differing = 0;
+        for (size_t n = 0; n < 2; n++) {
+            const conus_drawn_point point = {
+                .name = n ? "AAAAAA" : NULL, .end = {ends[i][0], ends[i][1], ends[i][2]}, .radius = 1};
+            const conus_view view = {.width = 160,
+                                     .height = 100,
+                                     .dpi = 12.0 * 72 / LOOK_FIGURE_POINTS,
+                                     .legend = CONUS_LEGEND_NONE,
+                                     .points = &point,
+                                     .point_count = 1};
+            assert_ok(conus_points_image(&images[n], scene.atlas, &view, &cut, SIZE_MAX));
+        }
+        for (size_t p = 0; p < (size_t)160 * 100; p++) {
+            const float *bare = conus_image_floats(images[0], "R"), *named = conus_image_floats(images[1], "R");
+            assert_true(conus_image_floats(images[0], "A")[p] < 0.99F || bare[p] == named[p]);
+            differing += bare[p] != named[p];
+        }
+        assert_true(differing > 20);
+        conus_image_destroy(images[0]);
+        conus_image_destroy(images[1]);
+    }
+}
+
 /* Two names at one place, in a picture with room for one: it is that of the end of the list, as if the other one had no
  * name, but that of the chosen one where one is chosen. */
 static void a_chosen_point_has_its_name_first(void **state)
@@ -1240,6 +1271,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(points_alone_are_those_over_a_drawing),
         cmocka_unit_test(a_chosen_point_has_its_name_first),
         cmocka_unit_test(a_needle_is_firm_where_it_is_in_a_cut),
+        cmocka_unit_test(a_name_stands_beside_its_needle),
         cmocka_unit_test(colours_are_weighted_by_share),
         cmocka_unit_test(a_ball_colours_what_is_in_it),
         cmocka_unit_test(groups_of_points_have_colours_and_rows),
