@@ -572,10 +572,10 @@ export class Headset {
     const { said, refused } = this.answer ?? {};
     const all = this.shown?.layers === "all" ? "all layers" : "first hits";
     const [from, to] = this.shown?.range ?? [0, NO_END];
-    const depths = to < NO_END ? `${Math.round(from)} to ${Math.round(to)} mm, ` : from ? `from ${Math.round(from)} mm, ` : "";
-    const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${depths}${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
+    const depths = to < NO_END ? `from ${Math.round(from)} to ${Math.round(to)} mm` : from ? `from ${Math.round(from)} mm` : "";
+    const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
     const trial = `Trial ${(this.record.get("trials")?.length ?? 0) + 1}: aim at the ball, and press`;
     const track = `${this.answer?.selected || "Nothing"} is selected${this.confirmed && `; ${this.confirmed} was confirmed`}`;
-    this.board.say({ sentence: refused || (this.isTrial ? trial : this.isTracked ? track : said?.sentence ?? "Point at the brain"), rows: said?.rows ?? [], more: said?.more ?? 0, state, layers: this.layers, isTrial: this.isTrial, isTracked: this.isTracked });
+    this.board.say({ sentence: refused || (this.isTrial ? trial : this.isTracked ? track : said?.sentence ?? "Point at the brain"), rows: said?.rows ?? [], more: said?.more ?? 0, depths, state, layers: this.layers, isTrial: this.isTrial, isTracked: this.isTracked });
   }
 }
