@@ -17,10 +17,10 @@ const packed = (data) => execFileSync("gzip", ["-9nc"], { input: data, maxBuffer
 const hash = (text) => `'sha256-${crypto.createHash("sha256").update(text).digest("base64")}'`;
 
 const look = new Map();
-const rows = fs.readFileSync(path.join(folder, "../../../base/look.h"), "utf8");
-for (const [, key, hex] of rows.matchAll(/^ +(LOOK_\w+) = 0x(\w{6}),/gm)) look.set(key, `#${hex.toLowerCase()}`);
-for (const [, key, size] of rows.matchAll(/^ +(LOOK_\w+) = (\d+),/gm)) look.set(key, `${size}px`);
-for (const [, key, dark, light] of rows.matchAll(/ITEM\((\w+), 0x(\w{6}), 0x(\w{6})\)/g)) {
+const header = fs.readFileSync(path.join(folder, "../../../base/look.h"), "utf8");
+for (const [, key, hex] of header.matchAll(/^ +(LOOK_\w+) = 0x(\w{6}),/gm)) look.set(key, `#${hex.toLowerCase()}`);
+for (const [, key, size] of header.matchAll(/^ +(LOOK_\w+) = (\d+),/gm)) look.set(key, `${size}px`);
+for (const [, key, dark, light] of header.matchAll(/ITEM\((\w+), 0x(\w{6}), 0x(\w{6})\)/g)) {
   look.set(`LOOK_DARK_${key}`, `#${dark.toLowerCase()}`).set(`LOOK_LIGHT_${key}`, `#${light.toLowerCase()}`);
 }
 const withLook = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!_)/g, (all, name, opacity) => {

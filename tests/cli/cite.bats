@@ -272,19 +272,19 @@ END
     type node >/dev/null || skip 'no node'
     scene
     local angle layers resolution sentence rows
-    rows=$(conus help --json | jq -c '[.commands[] | select(.name == "page").options[] | select(.name | IN("angle", "layers", "resolution"))]')
+    rows=$(conus help --json | jq -c '[.commands[] | select(.name == "page").options[] | select(.name | IN("angle", "layers", "resolution", "range"))]')
     for angle in 30 150; do
         for layers in visible all; do
             for resolution in 64 33; do
                 conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 -q --force --layers $layers --resolution $resolution \
-                    --angle $angle -o a.tsv
+                    --angle $angle --range 40,1e5 -o a.tsv
                 cites a.tsv
                 node --input-type=module -e "globalThis.CONUS_ROWS = $rows;
                     const { toMethods } = await import('$BATS_TEST_DIRNAME/../../apps/web/page/state.js');
-                    const said = toMethods({ origin: [0, -100, 0], toward: [0, 0, 0], angle: $angle, layers: '$layers', resolution: $resolution },
+                    const said = toMethods({ origin: [0, -100, 0], toward: [0, 0, 0], angle: $angle, layers: '$layers', resolution: $resolution, range: [40, 1e5] },
                         { name: 'nested', version: '0', sha256: '', transform: '' }).split(/(?<=\.) (?=[A-Z])/);
                     console.log(said.filter((sentence) => !/RAS mm|^The atlas was/.test(sentence)).join('\n'));" >said
-                [ "$(wc -l <said)" -eq $([ $layers = all ] && echo 6 || echo 5) ]
+                [ "$(wc -l <said)" -eq $([ $layers = all ] && echo 7 || echo 6) ]
                 while IFS= read -r sentence; do
                     has "$sentence"
                 done <said

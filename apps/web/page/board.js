@@ -10,7 +10,7 @@ const OVER = 50, UNDER = 22; // pixels of a button above and below its words' ba
 /** m. A capital letter of the least type, 40 pixels, is 11 mm high: 0.54 degrees at 1.2 m. */
 export const SIZE = [0.4, 0.4 * HEIGHT / WIDTH];
 
-/** What a panel says. @typedef {{sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number, state: string, layers: string, isTrial: boolean, isTracked: boolean}} Said */
+/** What a panel says. @typedef {{sentence: string, rows: {name: string, rgb: number[], share: string}[], more: number, depths: string, state: string, layers: string, isTrial: boolean, isTracked: boolean}} Said */
 
 export class Board {
   constructor() {
@@ -34,7 +34,7 @@ export class Board {
   }
 
   /** @param {Said} said */
-  write({ sentence, rows, more, state, layers, isTrial, isTracked }) {
+  write({ sentence, rows, more, depths, state, layers, isTrial, isTracked }) {
     const c = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d"));
     const words = (/** @type {string} */ font, /** @type {string} */ text, /** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ room) => {
       c.font = `${font} system-ui, sans-serif`;
@@ -70,6 +70,7 @@ export class Board {
     });
     const rest = rows.length + more - Math.min(rows.length, LINES);
     words("40px", rest ? `and ${rest} more` : "", 40, 526, BUTTONS[2].left - 60);
+    words("40px", depths, 40, 566, BUTTONS[0].left - 60);
     words("40px", state, 40, 606, BUTTONS[0].left - 60);
     c.textAlign = "center";
     const texts = [layers === "all" ? "first hits" : "all layers", "home", isTracked ? "no history" : "history", isTrial ? "no trials" : "trials"];

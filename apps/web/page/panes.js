@@ -303,7 +303,7 @@ function coneOf({ origin, toward, angle, range }, depth) {
   const radius = length * Math.tan(angle * Math.PI / 360) / scale;
   const round = Array.from({ length: 48 }, (_, i) => i * Math.PI / 24);
   const at = (/** @type {number} */ mm) => round.map((t) => origin.map((v, a) => v + mm / length * (axis[a] + radius * (Math.cos(t) * across[a] + Math.sin(t) * up[a]))));
-  return { near: at(range?.[0] ?? 0), rim: at(Math.min(range?.[1] ?? Infinity, depth || length)) };
+  return { near: at(range?.[0] ?? 0), rim: at(Math.min(range?.[1] ?? Infinity, Math.max(range?.[0] ?? 0, depth || length))) };
 }
 
 /** The edge of a cone in a plane, which is convex. @param {{near: number[][], rim: number[][]}} cone @param {typeof CUTS[number]} plane @param {number[]} cut */

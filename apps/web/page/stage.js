@@ -273,17 +273,23 @@ export class Stage {
     if (ball) this.put(times(this.model, this.clip, ball), shapes.ball, COLOURS.ball);
     gl.depthMask(false);
     if (hasFloor && !this.seesRoom) this.put(this.clip, shapes.floor, COLOURS.floor);
-    if (near) this.put(times(this.model, this.clip, near), shapes.rim, isOld ? COLOURS.oldSeen : COLOURS.seen);
+    if (near) this.putRim(near, isOld);
     if (cone) {
-      times(this.model, this.clip, cone);
-      gl.disable(gl.DEPTH_TEST); // its end is seen in the brain, too
-      this.put(this.model, shapes.rim, isOld ? COLOURS.oldHidden : COLOURS.hidden);
-      gl.enable(gl.DEPTH_TEST);
-      this.put(this.model, shapes.rim, isOld ? COLOURS.oldSeen : COLOURS.seen);
+      this.putRim(cone, isOld);
       this.put(this.model, shapes.cone, isOld ? COLOURS.oldCone : COLOURS.cone);
     }
     gl.depthMask(true);
     gl.depthFunc(gl.LESS);
+  }
+
+  /** The end of a cone, which is seen in the brain, too. @param {Float64Array} cone @param {boolean} isOld */
+  putRim(cone, isOld) {
+    const { gl, shapes: { rim } } = this;
+    times(this.model, this.clip, cone);
+    gl.disable(gl.DEPTH_TEST);
+    this.put(this.model, rim, isOld ? COLOURS.oldHidden : COLOURS.hidden);
+    gl.enable(gl.DEPTH_TEST);
+    this.put(this.model, rim, isOld ? COLOURS.oldSeen : COLOURS.seen);
   }
 
   /** @param {Float64Array} clip @param {{array: any, count: number}} shape @param {Float32Array | null} colour null: the panel's picture */

@@ -46,13 +46,13 @@ function readPoint(text, key) {
 
 /** The value of a row in words; throws, with what is allowed. @param {Row} row @param {string} text */
 export function readRow({ name, type, range, choices = ["1", ""] }, text) {
-  if (type === "range" && !text) return null;
   if (type === "number" || type === "count") {
     const x = readWithin(name, text, range ? [range.low, range.high] : [-Infinity, Infinity]);
     if (type === "count" && !Number.isInteger(x)) throw new Error(`${name}: ${text} is no whole number`);
     return x;
   }
   if (type === "range") {
+    if (!text) return null;
     const ends = text.split(",").map((x) => readWithin(name, x, range ? [range.low, range.high] : [-Infinity, Infinity]));
     if (ends.length !== 2 || ends[0] >= ends[1]) throw new Error(`${name}=${text}: two numbers are allowed, the first below the second`);
     return ends;
@@ -103,8 +103,9 @@ function countRays(n) {
 /** The paragraph that conus cite writes of the answer. @param {Question} q @param {any} atlas */
 export function toMethods(q, atlas) {
   const all = q.layers === "all";
-  const others = toOptions(q, ["angle", "layers", "resolution"]); // of which no sentence below is
+  const others = toOptions(q, ["angle", "layers", "resolution", "range"]); // of which no sentence below is
   return `The areas in a cone with its apex at ${join(q.origin)} and its axis through ${join(q.toward)} (x,y,z, RAS mm), and a full opening angle of ${digits(q.angle)}°, were determined with conus, version ${atlas.version}, which selects by conic volumes after Rick et al. (2010, doi:10.1109/VR.2010.5444783). ` +
+    (q.range ? `Only what lies between two depths along the axis counted: ${q.range.map(digits).join(" mm and ")} mm from the apex. ` : "") +
     `The cone was filled with ${countRays(q.resolution)} rays${q.angle > 120 ? " (evenly spread in angle where it opens beyond 120°)" : ""}, one through the centre of each pixel in the round aperture of ${q.resolution} × ${q.resolution} pixels. ` +
     `Each ray was followed exactly, ${all ? "through all objects" : "to the first object that it hits"}: no voxel and no triangle on its way was left out. An object's share is the part of the solid angle whose rays hit this object before any other. ` +
     (all ? "Occluded objects counted, too. " : "") + (others ? `Other settings were${others}. ` : "") + `Objects were ranked by their share. The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +

@@ -121,7 +121,8 @@ export class Headset {
     this.confirmed = "";
     this.isTrial = false; // somebody aims at balls
     /** The ball's place, mm. @type {number[] | null} */
-    this.ball = null;
+    this.ball = null; // and since when it is shown
+    this.ballSince = 0;
     this.ballPlace = matrix();
     /** What carries the brain, by hand, and from where. @type {any[]} */
     this.grips = [null, null];
@@ -234,7 +235,7 @@ export class Headset {
 
   /** Records what was pointed at while a ball was to be aimed at, and shows the next one. @param {Moment} moment */
   takeTrial({ time, numbers }) {
-    if (!this.ball) return;
+    if (!this.ball || time < this.ballSince) return;
     this.write("trials", [...numbers.subarray(0, 7), ...this.ball], time);
     this.showBall();
   }
@@ -246,7 +247,8 @@ export class Headset {
     while (this.isTrial && !this.ball && this.session) {
       const [from, to] = [apply(point(), this.back, this.eye), low.map((v, i) => v + Math.random() * (high[i] - v))];
       const { contact } = await this.page.ask({ ...question, origin: this.tripleOf(from), toward: this.tripleOf(to), angle: 0.01, range: null, layers: "visible", resolution: 1, cut: null });
-      this.ball = contact && this.tripleOf(contact);
+      this.ball = this.isTrial && contact ? this.tripleOf(contact) : null;
+      this.ballSince = this.time;
     }
     this.say();
   }
@@ -474,7 +476,7 @@ export class Headset {
         direction[i] = numbers[3 + i] - numbers[i];
       }
       unit(direction);
-      this.depths[0] = this.answer?.depth || length(plus(p, this.middle, origin, -1)) + this.long; // through, where nothing ends it
+      this.depths[0] = Math.min(this.far, this.answer?.depth || length(plus(p, this.middle, origin, -1)) + this.long); // through, where nothing ends it
       unit(cross(p, direction, Math.abs(direction[2]) < 0.9 ? Z : Y));
       cross(q, direction, p);
       columns(a, p, q, direction, origin);
@@ -569,10 +571,11 @@ export class Headset {
   say() {
     const { said, refused } = this.answer ?? {};
     const all = this.shown?.layers === "all" ? "all layers" : "first hits";
-    const near = this.shown?.range?.[0];
-    const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${near ? `from ${Math.round(near)} mm, ` : ""}${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
+    const [from, to] = this.shown?.range ?? [0, NO_END];
+    const depths = to < NO_END ? `from ${Math.round(from)} to ${Math.round(to)} mm` : from ? `from ${Math.round(from)} mm` : "";
+    const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
     const trial = `Trial ${(this.record.get("trials")?.length ?? 0) + 1}: aim at the ball, and press`;
     const track = `${this.answer?.selected || "Nothing"} is selected${this.confirmed && `; ${this.confirmed} was confirmed`}`;
-    this.board.say({ sentence: refused || (this.isTrial ? trial : this.isTracked ? track : said?.sentence ?? "Point at the brain"), rows: said?.rows ?? [], more: said?.more ?? 0, state, layers: this.layers, isTrial: this.isTrial, isTracked: this.isTracked });
+    this.board.say({ sentence: refused || (this.isTrial ? trial : this.isTracked ? track : said?.sentence ?? "Point at the brain"), rows: said?.rows ?? [], more: said?.more ?? 0, depths, state, layers: this.layers, isTrial: this.isTrial, isTracked: this.isTracked });
   }
 }
