@@ -26,9 +26,10 @@ const struct option plan_needle_options[] = {
 
 const struct option plan_contact_options[] = {
     {OPTION_VALUED("contacts", struct plan_settings, contacts, "COUNT,COLUMNS,PITCH,TIP"),
-     .help = "contacts on the axis, which contacts=N and probability=P of --reach are about: COUNT of them, COLUMNS in "
-             "a row, PITCH mm from row to row, the first TIP mm from the far end; or an electrode of DIXI Medical or PMT, "
-             "D08-10AM say (docs/commands.md)",
+     .help =
+         "contacts on the axis, which contacts=N and probability=P of --reach are about: COUNT of them, COLUMNS in "
+         "a row, PITCH mm from row to row, the first TIP mm from the far end; or an electrode of DIXI Medical or PMT, "
+         "D08-10AM say (docs/commands.md)",
      .words = "electrode, probe, DIXI, Microdeep, PMT", .role = OPTION_ASKS},
     {0},
 };

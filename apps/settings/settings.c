@@ -883,8 +883,8 @@ const struct option axis_options[] = {
 };
 
 /* SEEG electrodes, by the catalogue numbers of DIXI Medical and PMT. A contact is 2 mm long, and the first one begins
- * at the tip: OSS-DBS and threeBrain agree; Brainstorm has the same counts and pitches, and no tip. Ad-Tech's electrodes
- * are left out: these sources differ in where the first contact is. */
+ * at the tip: OSS-DBS and threeBrain agree; Brainstorm has the same counts and pitches, and no tip. Ad-Tech's
+ * electrodes are left out: these sources differ in where the first contact is. */
 static const struct {
     const char *name;
     uint32_t count;

@@ -208,6 +208,15 @@ static bool same_text(const char *a, const char *b)
     return a == b || (a && b && strcmp(a, b) == 0);
 }
 
+static bool same_numbers(const double *a, const double *b, size_t count)
+{
+    bool same = true;
+    for (size_t i = 0; i < count; i++) {
+        same = same && (a[i] == b[i] || (isnan(a[i]) && isnan(b[i])));
+    }
+    return same;
+}
+
 /* Whether the answers are one: the same refusal, or the same rows and notes. */
 static bool same_answer(const struct answer *a, const struct answer *b)
 {
@@ -215,9 +224,9 @@ static bool same_answer(const struct answer *a, const struct answer *b)
     bool same = a->status == b->status && same_text(a->line, b->line) && count == conus_pose_list_count(b->list);
     for (size_t i = 0; same && i < count; i++) {
         const conus_pose_row *r = conus_pose_list_row(a->list, i), *s = conus_pose_list_row(b->list, i);
-        same = memcmp(&r->pose, &s->pose, sizeof r->pose) == 0 && same_text(r->id, s->id) &&
-               same_text(r->error, s->error) && memcmp(&r->radius, &s->radius, sizeof r->radius) == 0 &&
-               r->angle == s->angle && memcmp(r->range, s->range, sizeof r->range) == 0;
+        same = same_numbers(r->pose.world_from_device, s->pose.world_from_device, 16) && same_text(r->id, s->id) &&
+               same_text(r->error, s->error) && same_numbers(&r->radius, &s->radius, 1) && r->angle == s->angle &&
+               same_numbers(r->range, s->range, 2);
     }
     for (size_t i = 0; same && (conus_pose_list_note(a->list, i) || conus_pose_list_note(b->list, i)); i++) {
         same = same_text(conus_pose_list_note(a->list, i), conus_pose_list_note(b->list, i));

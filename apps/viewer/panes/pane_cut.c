@@ -81,8 +81,12 @@ static void draw_picture(struct window *window, const struct cut *cut)
     conus_status status = CONUS_OK;
     bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
     const unsigned version = viewer_cut_version(viewer); /* the cone is drawn over the picture */
-    if (pane->version == version && pane->is_old == is_old && pane->texture.width == view->width &&
-        pane->texture.height == view->height && memcmp(pane->centre, view->centre, sizeof pane->centre) == 0) {
+    bool same = pane->version == version && pane->is_old == is_old && pane->texture.width == view->width &&
+                pane->texture.height == view->height;
+    for (int a = 0; a < 3; a++) {
+        same = same && pane->centre[a] == view->centre[a];
+    }
+    if (same) {
         return;
     }
     pane->is_old = is_old;

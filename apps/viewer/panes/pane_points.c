@@ -92,8 +92,12 @@ void pane_points(struct window *window, size_t pane, const struct ui_box *box, c
     if (!window->viewer->points.count) {
         return;
     }
+    bool is_same = true;
     find_key(key, window, box, cut);
-    if (memcmp(key, layer->key, sizeof key) != 0) {
+    for (size_t i = 0; i < POINTS_KEY; i++) {
+        is_same = is_same && key[i] == layer->key[i];
+    }
+    if (!is_same) {
         memcpy(layer->key, key, sizeof key); /* what cannot be drawn is said once */
         draw_anew(layer, window, box, cut);
     }

@@ -408,7 +408,8 @@ void points_choose(struct viewer *viewer, uint32_t row)
     }
     double range[2];
     find_depths(range, viewer, of);
-    if (memcmp(range, viewer->cone.options.range, sizeof range) != 0 &&
+    const double *had = viewer->cone.options.range;
+    if ((range[0] != had[0] || range[1] != had[1]) &&
         !query_set_range(viewer, range[0], range[1])) { /* which says why not */
         return;
     }
