@@ -230,7 +230,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     [ "$(jq -r '.Queries[0].sha256' field.json)" = "$(sha256sum field.hdf5 | cut -d ' ' -f 1)" ]
     awk -F'\t' 'NR > 1 { sum += $7 } END { exit (sum - 108) ^ 2 > 1e-9 }' field.tsv
     answers cite field.tsv
-    has 'A region consisted of the tetrahedra with values of at least 1. Volumes are exact for the tetrahedra'
+    has 'A region consisted of the tetrahedra with values of at least 1. Volumes are exact for the'
     answers verify field.tsv
     run -0 --separate-stderr "$CONUS" overlap nested.nii.gz field.hdf5 --threshold 1 --format tsv
     check_message 'field.hdf5: length of E of tetrahedra of all tissues: tag1 2, 1; ",tissue=1:2" takes white'

@@ -221,4 +221,4 @@ def test_few_trials_get_a_note_and_results_are_verified(tmp_path):
     call_conus("calibrate", tmp_path / "cells.nii", "--poses", tmp_path / "trials.tsv", "--weight", "gauss=2", "-o", tmp_path / "of.csv")
     assert b"identical" in call_conus("verify", tmp_path / "of.csv").stdout
     said = " ".join(call_conus("cite", tmp_path / "of.csv").stdout.decode().split())
-    assert "the one that was meant was determined from 6 trials" in said and "cells" in said
+    assert "From 6 trials it was determined how often the area" in said and "cells" in said
