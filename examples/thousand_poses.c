@@ -8,8 +8,8 @@
 static bool print(void *file, const conus_answers *answers)
 {
     for (size_t i = 0; i < answers->poses; i++) { /* a pose's first result is the best; what meets nothing has NaN */
-        const double *mm = answers->status[i] ? NULL : &answers->results[answers->starts[i]].distance;
-        fprintf((FILE *)file, "%.2f\n", mm ? *mm : NAN); /* a pose with an error has no results */
+        double mm = answers->status[i] ? NAN : answers->results[answers->starts[i]].distance; /* an error: no results */
+        fprintf((FILE *)file, "%.2f\n", mm);
     }
     return true;
 }

@@ -70,4 +70,11 @@ bool script_split(char *words[SCRIPT_WORDS], size_t *count, char *line);
 /** A finite number, and nothing else. */
 bool script_number(double *out, const char *word);
 
+/* What the newest frame shows, as numbers of answers, for scripts. */
+
+/** Writes the viewer's numbers (`is`), and those of each place that the frame has: `list`, `labels`, `status`,
+ * `picture`; `colours` is the sum of the answer, and `cuts` are those of the answers that they were drawn for. False:
+ * it cannot be written. */
+bool state_write(const struct window *window, const char *path);
+
 #endif

@@ -13,7 +13,6 @@
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
-#include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -863,53 +862,6 @@ static bool run_line(struct script *script, struct window *window, char *const *
     return fine;
 }
 
-static json_t *pack_numbers(const struct shown_numbers *shown)
-{
-    return json_pack("{sI sI sI sI}", "answer", (json_int_t)shown->answer, "plan", (json_int_t)shown->plan, "scene",
-                     (json_int_t)shown->scene, "second", (json_int_t)shown->second);
-}
-
-static json_t *pack_sum(uint64_t sum)
-{
-    char text[24];
-    snprintf(text, sizeof text, "%016" PRIx64, sum);
-    return json_string(text);
-}
-
-/* Writes the viewer's numbers (`is`), and those of each place that the newest frame has: `list`, `labels`, `status`,
- * `picture`; `colours` is the sum of the answer, and `cuts` are those of the answers that they were drawn for. */
-static bool write_state(const struct window *window, const char *path)
-{
-    static const char *const names[SHOWN_PLACES] = {"list", "labels", "status"};
-    const struct viewer *viewer = window->viewer;
-    const struct tool *tools = viewer->tools;
-    const struct pictures *pictures = &window->pictures;
-    const bool is_covered = window->start.on || window->dialog.on;
-    const struct painting *drawn = &pictures->drawn;
-    const struct shown_numbers is = {true, tools[FIRST_TOOL].answer_number, viewer->plan.number, viewer->scene_number,
-                                     tools[SECOND_TOOL].version};
-    json_t *state =
-        json_pack("{so so s[]}", "is", pack_numbers(&is), "colours", pack_sum(tool_answer_sum(viewer)), "cuts");
-    for (size_t i = 0; i < SHOWN_PLACES; i++) {
-        if (window->frame.shows[i].is_there) {
-            json_object_set_new(state, names[i], pack_numbers(&window->frame.shows[i]));
-        }
-    }
-    if (!is_covered && pictures->painted.name && screen_shows_pane(&window->screen, PANE_3D)) {
-        json_object_set_new(state, "picture",
-                            json_pack("{sI sI sI}", "answer", (json_int_t)drawn->answer_number, "plan",
-                                      (json_int_t)drawn->plan_number, "scene", (json_int_t)drawn->scene_number));
-    }
-    for (int p = 0; p < PLANE_COUNT; p++) {
-        if (!is_covered && screen_shows_pane(&window->screen, p)) {
-            json_array_append_new(json_object_get(state, "cuts"), pack_sum(pictures->cuts[p].answer_sum));
-        }
-    }
-    const bool fine = state && !json_dump_file(state, path, JSON_INDENT(1));
-    json_decref(state);
-    return fine;
-}
-
 bool script_waits(struct script *script, const struct window *window)
 {
     double now = clock_ms();
@@ -920,7 +872,7 @@ bool script_waits(struct script *script, const struct window *window)
     }
     if (script->state && (window_rests(window) || now >= script->until)) {
         script->is_unwritten =
-            !write_state(window, script->state) && !fail_line(script, "state FILE.json: the file cannot be written");
+            !state_write(window, script->state) && !fail_line(script, "state FILE.json: the file cannot be written");
         free(script->state);
         script->state = NULL;
     }

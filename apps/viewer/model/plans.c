@@ -462,7 +462,10 @@ static void find_lost(struct plan_verdict *out, const struct viewer *viewer)
     for (size_t i = 0; i < state->task.constraints.count && state->selector && !out->lost; i++) {
         const conus_constraint *asked = &state->task.constraints.items[i];
         conus_plan *alone = NULL;
-        if (asked->kind <= CONUS_CONSTRAINT_AVOID && conus_plan_create(&alone, state->selector, asked, 1, NULL)) {
+        const conus_status status = asked->kind <= CONUS_CONSTRAINT_AVOID
+                                        ? conus_plan_create(&alone, state->selector, asked, 1, NULL)
+                                        : CONUS_OK;
+        if (status && status != CONUS_ERROR_MEMORY) {
             out->lost = asked;
         }
         conus_plan_destroy(alone);
