@@ -9,7 +9,6 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -52,7 +51,7 @@ static const struct {
     [POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse, FORMAT_OTHER},
     [POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse, FORMAT_INVESALIUS},
     [POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse, FORMAT_OTHER},
-    [POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native, FORMAT_OTHER},
+    [POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse, FORMAT_OTHER},
     [POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse, FORMAT_OTHER},
     [POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse, FORMAT_HDF5},
     [POSE_FORMAT_LIST] = {"list", pose_lists_parse, FORMAT_OTHER},
@@ -97,42 +96,30 @@ struct row_names {
     size_t count;
 };
 
-struct row_name {
-    const char *name;
-    size_t row;
-};
-
-static int compare_row_names(const void *a, const void *b)
-{
-    return strcmp(((const struct row_name *)a)->name, ((const struct row_name *)b)->name);
-}
-
 /* Of rows with the name of an earlier one the first, and how many there are. Forgets the names. */
 static conus_status note_equal_names(struct notes *notes, struct row_names *names)
 {
     conus_status status = buffer_status(&names->text);
-    struct row_name *sorted = status ? NULL : memory_raw(names->count + 1, sizeof *sorted);
-    status = status || sorted ? status : CONUS_ERROR_MEMORY;
+    struct name_set known = {0};
     const char *at = names->text.data;
-    size_t count = status ? 0 : names->count;
-    const struct row_name *first = NULL;
+    const char *first = NULL; /* the first name that is there again, in these rows */
+    size_t rows[2] = {0};
     size_t repeated = 0;
-    for (size_t i = 0; i < count; at += strlen(at) + 1, i++) {
-        sorted[i] = (struct row_name){at, i};
-    }
-    order_sort(sorted, count, sizeof *sorted, compare_row_names); /* rows of one name stay in order */
-    for (size_t i = 1; i < count; i++) {
-        if (strcmp(sorted[i - 1].name, sorted[i].name) == 0) {
-            first = !first || sorted[i].row < first->row ? &sorted[i] : first;
-            repeated++;
+    for (size_t i = 0; i < names->count && !status; at += strlen(at) + 1, i++) {
+        const struct known_name *earlier = name_set_find(&known, at);
+        if (earlier && !repeated++) {
+            first = at;
+            rows[0] = earlier->value + 1;
+            rows[1] = i + 1;
         }
+        status = earlier ? CONUS_OK : name_set_add(&known, at, i);
     }
-    if (first) {
+    if (first && !status) {
         status =
             notes_add(notes, "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one",
-                      first[-1].row + 1, first->row + 1, first->name, repeated, count);
+                      rows[0], rows[1], first, repeated, names->count);
     }
-    memory_free(sorted);
+    name_set_finish(&known);
     buffer_finish(&names->text);
     *names = (struct row_names){0};
     return status;
@@ -248,10 +235,10 @@ static enum pose_format format_of(const struct format *known, struct text row)
     while (known && known->id && (size_t)format < FORMATS && formats[format].id != known->id) {
         format++;
     }
-    return format && (size_t)format < FORMATS        ? format
-           : row.size && pose_electrodes_header(row) ? POSE_FORMAT_ELECTRODES
-           : row.size && pose_nibs_header(row)       ? POSE_FORMAT_NIBS
-                                                     : POSE_FORMAT_TABLE;
+    return format && (size_t)format < FORMATS               ? format
+           : row.size && pose_electrodes_header(row, false) ? POSE_FORMAT_ELECTRODES
+           : row.size && pose_nibs_header(row)              ? POSE_FORMAT_NIBS
+                                                            : POSE_FORMAT_TABLE;
 }
 
 static void find_format(struct job *job, conus_pose_stream *stream)
@@ -282,7 +269,8 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     (void)text_line(&rest, &first);
     used = is_binary ? 0 : known ? first.size : used;
     enum pose_format found = format_of(known, row);
-    if (found == POSE_FORMAT_ELECTRODES && pose_electrodes_have_two(row)) { /* is it BIDS that says what they are? */
+    if (found == POSE_FORMAT_ELECTRODES &&
+        pose_electrodes_header(row, true)) { /* is it BIDS that says what they are? */
         pose_coordsystem_find(job, &stream->list, stream->path ? stream->path : "", false, false);
         found = stream->list.coordsystem ? found : POSE_FORMAT_TABLE;
     }
@@ -618,7 +606,7 @@ static void open_text(struct job *job, conus_pose_stream *stream)
     const char *format = conus_pose_format_name(stream->format);
     if (stream->options.along_shafts && stream->format != POSE_FORMAT_ELECTRODES) {
         job_bad(job, "shafts are for electrodes (BIDS), not for %s%s", format,
-                pose_electrodes_have_two(first_row(&(size_t){0}, at_hand(&stream->lines), true))
+                pose_electrodes_header(first_row(&(size_t){0}, at_hand(&stream->lines), true), true)
                     ? "; --poses-format electrodes reads it as these"
                     : "");
     }

@@ -970,16 +970,6 @@ bool settings_error(conus_pose_error *out, const char *text, bool has_needles)
            refuse("--jitter: %s is an error of needles, at their entry and target; conus plan has those", out->name);
 }
 
-static bool set_error(conus_jitter_options *out, const conus_pose_error *error)
-{
-    out->tilt = error->tilt_deg;
-    out->shift = error->shift;
-    out->entry = error->entry;
-    out->target = error->target;
-    out->depth = error->depth;
-    return true;
-}
-
 bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles)
 {
     double errors[2] = {0};
@@ -990,7 +980,15 @@ bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t sampl
     } else if (has_needles && strchr(text, '=')) {
         return read_ends(out, text);
     } else if (is_name(text)) {
-        return settings_error(&error, text, has_needles) && set_error(out, &error);
+        if (settings_error(&error, text, has_needles)) {
+            *out = (conus_jitter_options){.samples = samples,
+                                          .tilt = error.tilt_deg,
+                                          .shift = error.shift,
+                                          .entry = error.entry,
+                                          .target = error.target,
+                                          .depth = error.depth};
+            return true;
+        }
     } else if (numbers_parse(errors, 2, text, ',') != 2) {
         print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", text);
     } else if (!(errors[0] >= 0 && errors[0] <= 90)) {

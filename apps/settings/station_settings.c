@@ -93,14 +93,10 @@ struct end {
     const char *listen, *connect, *prefix;
 };
 
-static struct end first_end(const struct station_settings *settings)
+static struct end end_of(const struct station_settings *settings, bool is_second)
 {
-    return (struct end){settings->listen, settings->connect, ""};
-}
-
-static struct end second_end(const struct station_settings *settings)
-{
-    return (struct end){settings->second_listen, settings->second_connect, "second-"};
+    return is_second ? (struct end){settings->second_listen, settings->second_connect, "second-"}
+                     : (struct end){settings->listen, settings->connect, ""};
 }
 
 static bool check_address(const struct end *end)
@@ -118,7 +114,7 @@ static bool check_address(const struct end *end)
 
 bool station_settings_check(const struct station_settings *settings, const struct arguments *arguments)
 {
-    const struct end end = first_end(settings);
+    const struct end end = end_of(settings, false);
     bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
     for (const struct option *option = station_options_table; !given && option->name; option++) {
         if (option_given(arguments, option->name)) {
@@ -144,7 +140,7 @@ bool station_settings_check_second(const struct station_settings *settings, cons
         if (settings->tool && !first) {
             return refuse("--tool needs --listen or --connect with it");
         }
-        const struct end ends[] = {first_end(settings), second_end(settings)};
+        const struct end ends[] = {end_of(settings, false), end_of(settings, true)};
         return check_address(&ends[0]) && check_address(&ends[1]);
     }
     if (settings->second_tool && !first) {
@@ -216,7 +212,7 @@ static int start_at(struct station **out, const struct end *end, const struct st
 
 int station_settings_start(struct station **out, const struct station_settings *settings)
 {
-    const struct end end = first_end(settings);
+    const struct end end = end_of(settings, false);
     bool is_alone = settings->second_listen || settings->second_connect;
     return start_at(out, &end, settings, settings->world_from_tracker,
                     (struct station_options){.tool = settings->tool,
@@ -230,13 +226,13 @@ int station_settings_connect(struct station **out, const struct station_settings
     struct station_settings with = *settings;
     with.listen = NULL;
     with.connect = address;
-    const struct end end = first_end(&with);
+    const struct end end = end_of(&with, false);
     return check_address(&end) ? station_settings_start(out, &with) : EXIT_USAGE;
 }
 
 int station_settings_start_second(struct station **out, const struct station_settings *settings)
 {
-    const struct end end = second_end(settings);
+    const struct end end = end_of(settings, true);
     const char *matrix = settings->second_world_from_tracker;
     return start_at(out, &end, settings, matrix ? matrix : settings->world_from_tracker,
                     (struct station_options){.tool = settings->second_tool});

@@ -56,25 +56,20 @@ static struct text declared_encoding(struct text text)
     return close ? (struct text){at + 1, (size_t)(close - at - 1)} : (struct text){0};
 }
 
-static conus_status say(const struct census *census, struct notes *notes)
+/* Of XML that declares Windows-1252: only where `text` has letters, all of them in UTF-8, too. */
+static conus_status say(const struct census *census, struct text text, bool is_declared, struct notes *notes)
 {
-    return !notes ? CONUS_OK
+    bool has_letters = census->size > text.size; /* each grows */
+    return !notes || (is_declared && !(has_letters && text_is_utf8(text))) ? CONUS_OK
+           : is_declared
+               ? notes_add(notes, "the text is read as Windows-1252, as its XML declares, but its letters are those "
+                                  "of UTF-8, too: they may be wrong")
            : census->letters
                ? notes_add(notes,
                            "line %zu: a byte that is not UTF-8 in a text that has letters in UTF-8, too: such bytes "
                            "(%zu) are read as Windows-1252, and letters may be wrong",
                            census->line, census->stray)
                : notes_add(notes, "the text is not UTF-8: it is read as Windows-1252");
-}
-
-/* XML that declares Windows-1252 while `text` has letters, all of them in UTF-8, too. */
-static conus_status say_declared(const struct census *census, struct text text, struct notes *notes)
-{
-    bool has_letters = census->size > text.size; /* each grows */
-    return !notes || !has_letters || !text_is_utf8(text)
-               ? CONUS_OK
-               : notes_add(notes, "the text is read as Windows-1252, as its XML declares, but its letters are those "
-                                  "of UTF-8, too: they may be wrong");
 }
 
 conus_status encoding_decode(char **owned, struct text *text, struct notes *notes)
@@ -95,9 +90,7 @@ conus_status encoding_decode(char **owned, struct text *text, struct notes *note
                     census.unknown, census.byte);
     }
     char *copy = memory_raw(census.size + 1, 1);
-    conus_status status = !copy         ? CONUS_ERROR_MEMORY
-                          : is_declared ? say_declared(&census, whole, notes)
-                                        : say(&census, notes);
+    conus_status status = copy ? say(&census, whole, is_declared, notes) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(copy);
         return status;

@@ -54,16 +54,10 @@ static bool find_columns(struct named_cells *out, struct text line)
     return all;
 }
 
-bool pose_electrodes_header(struct text line)
+bool pose_electrodes_header(struct text line, bool with_two)
 {
     struct named_cells header;
-    return find_columns(&header, line);
-}
-
-bool pose_electrodes_have_two(struct text line)
-{
-    struct named_cells header;
-    return find_columns(&header, line) && named_cells_has(&header, OF_SPACE);
+    return find_columns(&header, line) && (!with_two || named_cells_has(&header, OF_SPACE));
 }
 
 /* "LA12" is contact 12 of LA, unless it has a group. */

@@ -6,6 +6,7 @@
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* In the order of preference; the first is of the template. */
 static const char *const names[] = {"mni", "scrf", "native"};
@@ -82,22 +83,13 @@ static void add_contacts(const struct pose_reading *to, const struct matlab *mat
     }
 }
 
-static void parse_from(struct pose_reading *to, struct text text, size_t space)
+void pose_lead_dbs_parse(struct pose_reading *to, struct text text)
 {
+    const char *format = to->options->format;
     if (!matlab_is(text)) {
         job_bad(to->job, "not a file of MATLAB: no reconstruction of Lead-DBS");
     }
-    add_contacts(to, pose_matlab(to, text), space);
-}
-
-void pose_lead_dbs_parse(struct pose_reading *to, struct text text)
-{
-    parse_from(to, text, 0);
-}
-
-void pose_lead_dbs_parse_native(struct pose_reading *to, struct text text)
-{
-    parse_from(to, text, 1);
+    add_contacts(to, pose_matlab(to, text), format && strcmp(format, "lead-dbs-native") == 0);
 }
 
 bool pose_lead_dbs_is(struct pose_reading *to, struct text text)

@@ -239,12 +239,7 @@ static bool read_electrode(double point[3], struct text *name, struct text line)
     const char *colon = memchr(line.data, ':', line.size);
     *name = colon ? text_trim((struct text){line.data, (size_t)(colon - line.data)}) : (struct text){"", 0};
     struct text rest = colon ? (struct text){colon + 1, line.size - (size_t)(colon + 1 - line.data)} : line;
-    struct text word;
-    bool fine = true;
-    for (int i = 0; fine && i < 3; i++) {
-        fine = text_word(&rest, &word) && text_to_double(word, &point[i]) && isfinite(point[i]);
-    }
-    return fine;
+    return read_line(point, &(struct text){"", 0}, &(const struct layout){.name = -1}, rest);
 }
 
 static void parse_elc(const struct pose_reading *to, struct text text)

@@ -193,17 +193,6 @@ static void judge(struct job *job, struct table *table)
     }
 }
 
-/* To the frame's space: CCF, or AP, ML, DV from bregma, to anterior, right and up. */
-static conus_status find_point(double world[AXES], const struct table *table, const conus_frame *frame,
-                               const double p[AXES])
-{
-    double ccf[AXES];
-    for (size_t i = 0; i < AXES; i++) {
-        ccf[i] = p[i] * table->um + (table->from_bregma ? frame->bregma[i] : 0);
-    }
-    return pose_point_of_ccf(world, ccf, frame);
-}
-
 static void add_electrode(const struct pose_reading *to, const struct table *table, size_t index)
 {
     char name[POSE_ID_LIMIT + 2]; /* a byte more than allowed, to notice longer names */
@@ -214,9 +203,12 @@ static void add_electrode(const struct pose_reading *to, const struct table *tab
     int size = snprintf(name, sizeof name, "%.*s%s%lld", TEXT_SHOW(group, sizeof name), group.size ? "-" : "",
                         (long long)hdf5_whole(table->ids, electrode));
     struct text id = {name, (size_t)size < sizeof name ? (size_t)size : sizeof name - 1};
-    const char *bad = !get_point(p, table, index)                       ? "x, y, z: not known"
-                      : find_point(world, table, to->options->frame, p) ? conus_message()
-                                                                        : NULL;
+    const conus_frame *frame = to->options->frame;
+    bool is_known = get_point(p, table, index);
+    for (size_t i = 0; i < AXES && is_known; i++) {
+        p[i] = p[i] * table->um + (table->from_bregma ? frame->bregma[i] : 0);
+    }
+    const char *bad = !is_known ? "x, y, z: not known" : pose_point_of_ccf(world, p, frame) ? conus_message() : NULL;
     pose_add_point(to, to->list->count + 1, world, false, id, bad);
 }
 

@@ -17,10 +17,8 @@ void pose_brainsight_parse(struct pose_reading *to, struct text text);
 
 /** Electrodes of BIDS, *_electrodes.tsv, in units of list->space: points, or poses along their shafts. */
 void pose_electrodes_parse(struct pose_reading *to, struct text text);
-/** Whether @p line is the header of such a table. */
-bool pose_electrodes_header(struct text line);
-/** Whether it is, with columns of MNI beside x y z. */
-bool pose_electrodes_have_two(struct text line);
+/** Whether @p line is the header of such a table, @p with_two of one with columns of MNI beside x y z. */
+bool pose_electrodes_header(struct text line, bool with_two);
 
 /** The *_markers.tsv of the proposal NIBS-BIDS (BEP037), in units of list->space: poses, or points where there is only
  * a target. */
@@ -54,10 +52,9 @@ enum pose_format pose_json_find(struct pose_reading *to, struct text text);
 void pose_invesalius_parse(struct pose_reading *to, struct text text);
 
 /** The contacts of Lead-DBS's reconstruction, ea_reconstruction.mat or *_desc-reconstruction.mat, as points in MNI
- * space, or in the patient's own where it has no other. @p text is no longer than pose_memory(). */
+ * space, or in the patient's own where it has no other or the options say lead-dbs-native. @p text is no longer than
+ * pose_memory(). */
 void pose_lead_dbs_parse(struct pose_reading *to, struct text text);
-/** The same in the patient's own space. */
-void pose_lead_dbs_parse_native(struct pose_reading *to, struct text text);
 /** Whether this MAT-file is such a reconstruction. */
 bool pose_lead_dbs_is(struct pose_reading *to, struct text text);
 

@@ -554,24 +554,19 @@ void sides_check(struct job *job, const struct sides *s, const char *why, const 
     }
 }
 
-static void warn_of_file(struct job *job, const struct sides *sides, int of_file)
-{
-    enum { LEAST = 3 };
-    const size_t wrong = of_file ? sides->beyond[of_file < 0] : 0;
-    if (sides->points >= LEAST && 2 * wrong > sides->points) {
-        job_warn(job,
-                 "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? If not, type "
-                 "FILE,sides=anyway",
-                 of_file < 0 ? "left" : "right", wrong, sides->points, of_file < 0 ? "right" : "left");
-    }
-}
-
 void sides_warn(struct job *job, const struct sides *sides, int of_file)
 {
-    warn_of_file(job, sides, of_file);
+    enum { LEAST = 3 };
     char shown[4 * SIDES_SHAFT_SIZE] = "";
     size_t of_letter[2] = {0};
     size_t wrong = 0;
+    const size_t beyond = of_file ? sides->beyond[of_file < 0] : 0;
+    if (sides->points >= LEAST && 2 * beyond > sides->points) {
+        job_warn(job,
+                 "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? If not, type "
+                 "FILE,sides=anyway",
+                 of_file < 0 ? "left" : "right", beyond, sides->points, of_file < 0 ? "right" : "left");
+    }
     for (size_t i = 0; i < sides->shaft_count; i++) {
         of_letter[sides->shafts[i].letters[0] == 'R']++;
     }
@@ -583,7 +578,7 @@ void sides_warn(struct job *job, const struct sides *sides, int of_file)
             const char *other = sides->shafts[k].letters;
             is_side = is_side || (other[0] != shaft->letters[0] && strcmp(other + 1, shaft->letters + 1) == 0);
         }
-        if (is_side && shaft->contacts >= 3 && shaft->wrong == shaft->contacts && wrong++ < 3) {
+        if (is_side && shaft->contacts >= LEAST && shaft->wrong == shaft->contacts && wrong++ < 3) {
             size_t used = strlen(shown);
             snprintf(shown + used, sizeof shown - used, "%s%s", used ? ", " : "", shaft->letters);
         }

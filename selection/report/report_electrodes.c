@@ -75,7 +75,7 @@ conus_status report_read_electrodes(conus_report *report)
         rest.data += 3;
         rest.size -= 3;
     }
-    if (!next_line(&rest, &line) || !pose_electrodes_header(line)) {
+    if (!next_line(&rest, &line) || !pose_electrodes_header(line, false)) {
         return fail(CONUS_ERROR_DATA, "electrodes: the first line has not the columns name, x, y and z");
     }
     report->electrode_field_count = check_header(report, line);
