@@ -19,6 +19,8 @@ static const struct option region_options[] = {
     {OPTION_VALUED("threshold", struct overlap_settings, threshold, "T"),
      .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
              "values of at most T",
+     .hint = "; for a one-sided p of 0.05, 0.01 or 0.001 type 1.64, 2.33 or 3.09 if it is a map of z; of t the value "
+             "depends on the degrees of freedom",
      .otherwise = "of masks only, all that are not 0", .words = "binarise, cut-off", .common = true},
     {0},
 };
@@ -101,8 +103,8 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     if (is_atlas && changed) {
         print_error_line("%s; %s is an atlas: ATLAS comes first, then ROI", why, path);
     } else if (is_atlas && *option) { /* it may be a map of whole numbers as well */
-        print_error_line("%s%s; or, if it is an atlas: ROI is a mask or a map, and --atlas %s lists its parts in that "
-                         "atlas, too",
+        print_error_line("%s%s; if these are labels, save the one that is meant as a mask (the largest as T is taken "
+                         "alone); if it is an atlas, --atlas %s lists its parts, too",
                          why, option, path);
     } else if (is_atlas) {
         print_error_line("%s; %s is an atlas, and no region: ROI is a mask or a map, whose parts in that atlas are "

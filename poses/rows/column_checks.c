@@ -228,7 +228,7 @@ enum { SIDE_COLUMNS = 4 };
 
 /* The numbers of the head's rows, mm or as the space has them. */
 struct census {
-    size_t points, negatives, shallow, axes, short_axes;
+    size_t points, negatives, shallow, first_shallow, axes, short_axes;
     double farthest, nearest_target, farthest_target;
     struct sides sides[1 + SIDE_COLUMNS]; /* by names, and by these columns: */
     size_t columns[SIDE_COLUMNS], column_count;
@@ -275,7 +275,9 @@ static void count_row(struct census *census, const struct head *head, const conu
     census->points++;
     census->farthest = fmax(census->farthest, distance);
     census->negatives += p[0] < 0 || p[1] < 0 || p[2] < 0;
-    census->shallow += is_of_bregma && row->is_point && p[2] > 0;
+    if (is_of_bregma && row->is_point && p[2] > 0 && !census->shallow++) {
+        census->first_shallow = row->line;
+    }
     if (isfinite(row->range[1]) && head->out->ends_at_target) {
         census->axes++;
         census->short_axes += row->range[1] < width / 20;
@@ -304,17 +306,18 @@ static void count_row(struct census *census, const struct head *head, const conu
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
 static bool judge_sides(const struct census *c, const struct head *head)
 {
-    static const char *const turns[] = {"if y > 0 is the back, too, type --space lps; else turn the sign of",
-                                        "if y > 0 is the front, type --space ras; else turn the sign of", "mend",
-                                        "mend"};
-    const char *turn = head->out->said.has_signs ? "mend" : turns[head->options->space];
+    static const char *const turns[] = {
+        "if y > 0 is the back, too, type --space lps; else turn the sign of x",
+        "if y > 0 is the front, type --space ras; else turn the sign of x", "mend ML",
+        "ML is to the right: where it has no signs, put a minus before those of the left; else mend ML"};
+    const char *turn = head->out->said.has_signs ? "mend x" : turns[head->options->space];
     bool are_right = false;
     for (size_t i = 0; i <= c->column_count; i++) {
         const struct sides *sides = &c->sides[i];
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
-        snprintf(why, sizeof why, "%s%.*s%s%s x, or correct the %s", i ? "by column \"" : "", POSE_QUOTE(column),
+        snprintf(why, sizeof why, "%s%.*s%s%s, or correct the %s", i ? "by column \"" : "", POSE_QUOTE(column),
                  i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
         are_right = are_right || (sides->left && sides->right && !wrong);
         if (head->out->is_of_points) {
@@ -363,7 +366,7 @@ static void judge(const struct census *c, const struct head *head, double longes
                 of_people ? "where x points to the nose (Brainstorm, CTF), bring them to MNI first; else " : "",
                 head->out->file, head->out->file);
     }
-    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !head->out->has_unit) {
+    if (c->farthest > fmax(10 * longest, 1000) && space != CONUS_SPACE_CCF && is_known && !head->out->has_unit) {
         job_bad(job,
                 "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um; if they are mm, "
                 "%s,unit=mm",
@@ -378,10 +381,13 @@ static void judge(const struct census *c, const struct head *head, double longes
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
         const double *b = head->options->frame->bregma;
         job_bad(job,
-                "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative; "
+                "%zu of %zu positions have a DV above 0, above bregma: if they are depths, put a minus before each DV; "
                 "if they lie above it, as a skull, --space ccf takes them: AP %g - 1000 AP, DV %g - 1000 DV, ML %g + "
                 "1000 ML, um",
                 c->shallow, c->points, b[0], b[1], b[2]);
+    } else if (c->shallow) {
+        job_warn(job, "%zu of %zu positions have a DV above 0, above bregma, the first in line %zu: is a minus missing?",
+                 c->shallow, c->points, c->first_shallow);
     }
     bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;
     if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
@@ -403,16 +409,19 @@ static void judge(const struct census *c, const struct head *head, double longes
     }
 }
 
-/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
-static void find_faults(bool *has_word, bool *has_glyph, const struct columns *columns, struct text text)
+/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate; of coordinates
+ * also the largest, which may be far from any mouse. */
+static void find_faults(bool *has_word, bool *has_glyph, double *farthest, const struct columns *columns,
+                        struct text text)
 {
     struct table_line line;
     bool fits = table_split(&line, &columns->table, text);
     *has_word = *has_glyph = false;
     for (size_t i = 0; fits && i < line.count && i < columns->count; i++) {
-        double value;
+        double value = 0;
         struct text cell = line.cells[i];
         bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
+        *farthest = columns->role_of[i] < ROLE_X + 3 && isfinite(value) ? fmax(*farthest, fabs(value)) : *farthest;
         size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
         *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
         *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
@@ -438,7 +447,7 @@ void columns_check_numbers(const struct head *head)
         bool has_glyph = false;
         census.rows += kind == LINE_ROW;
         if (kind == LINE_ROW && bad) {
-            find_faults(&has_word, &has_glyph, head->out, text);
+            find_faults(&has_word, &has_glyph, &census.farthest, head->out, text);
         } else if (kind == LINE_ROW) {
             count_row(&census, head, &row, text, name.text, longest);
         }
@@ -549,7 +558,7 @@ void sides_check(struct job *job, const struct sides *s, const char *why, const 
     if (is_wrong && s->left + s->right >= 2) {
         job_bad(job,
                 "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s; only if "
-                "x and these sides are both right, type %s,sides=anyway",
+                "numbers and sides are both right, type %s,sides=anyway",
                 s->left_on_right, s->left, s->right_on_left, s->right, why, file);
     }
 }

@@ -270,6 +270,10 @@ static conus_status read_space(double *out, const struct columns *columns, struc
                           "that of the atlas (--atlas-transform)",
                           what, POSE_QUOTE(cell));
     }
+    if (!any_space && columns->grows && own == (columns->grows > 0 ? CONUS_SPACE_LPS : CONUS_SPACE_RAS)) {
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\", and the header or a line above says %s: which is it?", what,
+                    POSE_QUOTE(cell), columns->grows > 0 ? "RAS" : "LPS");
+    }
     if (!isnan(*out) && *out != own) {
         return fail(CONUS_ERROR_DATA, "two columns of spaces: \"%.*s\" in one, %s in the other", POSE_QUOTE(cell),
                     conus_space_name((size_t)*out));

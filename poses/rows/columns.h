@@ -150,6 +150,7 @@ struct columns {
     bool ends_at_target;      /**< Axes end there, not only point there (target_x, but not tx). */
     bool moves;               /**< Positions of MNI 305 are moved to MNI 152. */
     size_t heard_lines;       /**< Lines of the head, whose words are in @p said. */
+    int grows;                /**< 1: header or lines say RAS, -1: LPS, and no row may say the other. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. Fails with what it is

@@ -553,7 +553,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     fails 3 'else type abc.csv,x=a,y=b,z=c,unit=m; if they are mm, abc.csv,x=a,y=b,z=c,unit=mm' \
         query sphere.nii.gz --pose abc.csv,x=a,y=b,z=c
     printf 'name,x_lps,y_lps,z_lps\nleft A,-42,-20,50\nright B,38,14,-4\n' >lps.csv # --space cannot turn these
-    fails 3 'right on the left; mend x, or correct the names; only if x and these sides are both right, type lps.csv,sides=anyway' \
+    fails 3 'right on the left; mend x, or correct the names; only if numbers and sides are both right, type lps.csv,sides=anyway' \
         query sphere.nii.gz --pose lps.csv
 }
 
