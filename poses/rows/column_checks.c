@@ -343,6 +343,7 @@ static void judge(const struct census *c, const struct head *head, double longes
     bool is_known = head->options->longest > 0;
     bool is_list = c->points >= LEAST && head->out->is_of_points;
     bool is_unsaid = is_list && !head->out->has_unit;
+    bool is_probe = space == CONUS_SPACE_BREGMA && !head->out->is_of_points && !head->out->has_unit;
     if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
         job_bad(job,
                 "%zu of %zu rows have no number where the header has x y z or a direction: is the order of the "
@@ -357,7 +358,7 @@ static void judge(const struct census *c, const struct head *head, double longes
                 "directions, not positions: save those of the cap in MNI, in mm; only if these are mm, type "
                 "%s,unit=mm",
                 c->farthest, head->out->file);
-    } else if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
+    } else if ((is_unsaid || is_probe) && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
                c->farthest <= (of_people ? 1 : 0.02)) {
         job_bad(job,
                 "all positions lie within %s mm of the origin, as if they were in metres: %stype %s,unit=m; if they "
@@ -422,7 +423,8 @@ static void find_faults(bool *has_word, bool *has_glyph, double *farthest, const
         struct text cell = line.cells[i];
         bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
         *farthest = columns->role_of[i] < ROLE_X + 3 && isfinite(value) ? fmax(*farthest, fabs(value)) : *farthest;
-        size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
+        bool is_glyph = cell.size && (unsigned char)cell.data[0] >= 0x80 && !text_minus(cell);
+        size_t length = is_glyph ? text_character(cell) : 0;
         *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
         *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
                       isdigit((unsigned char)cell.data[length]);
@@ -536,6 +538,16 @@ static void count_shaft(struct sides *sides, struct text name, double x, double 
     shaft->wrong += letters.data[0] == 'L' ? x > edge : x < -edge;
 }
 
+static void count_ending(struct sides *sides, struct text name, double x, double edge)
+{
+    const char last = name.size > 1 ? name.data[name.size - 1] : ' ';
+    const unsigned char before = name.size > 1 ? (unsigned char)name.data[name.size - 2] : ' ';
+    if ((last == 'L' || last == 'R') && (islower(before) || isdigit(before))) {
+        sides->ended[last == 'R']++;
+        sides->ended_wrong += last == 'L' ? x > edge : x < -edge;
+    }
+}
+
 bool sides_count(struct sides *sides, int side, struct text name, double x, double edge)
 {
     bool is_wrong = side < 0 ? x > edge : side > 0 && x < -edge;
@@ -548,6 +560,7 @@ bool sides_count(struct sides *sides, int side, struct text name, double x, doub
         *wrong += is_wrong;
     } else {
         count_shaft(sides, name, x, edge);
+        count_ending(sides, name, x, edge);
     }
     return is_wrong;
 }
@@ -596,6 +609,13 @@ void sides_warn(struct job *job, const struct sides *sides, int of_file)
             size_t used = strlen(shown);
             snprintf(shown + used, sizeof shown - used, "%s%s", used ? ", " : "", shaft->letters);
         }
+    }
+    const size_t *ended = sides->ended;
+    if (ended[0] && ended[1] && ended[0] + ended[1] > 2 && sides->ended_wrong == ended[0] + ended[1]) {
+        job_warn(job,
+                 "all names that end with L or R (%zu and %zu) lie on the other side; is x mirrored? If not, type "
+                 "FILE,sides=anyway",
+                 ended[0], ended[1]);
     }
     if (wrong) {
         job_warn(job,

@@ -859,8 +859,8 @@ static void choose_families(struct head *head)
     out->is_of_points = directions == 0 && !out->is_straight;
     FAULT_IF(out->place && !out->is_of_points && (is_of_rodents || !has_angles), head,
              "a direction or a depth beside names of places, which are points");
-    bool are_xyz_of_bregma = head->options->space == CONUS_SPACE_BREGMA && position && position->stem[0] == '\0' &&
-                             find_name(head, "x", 0) == position->at[0];
+    bool are_xyz_of_bregma = head->options->space == CONUS_SPACE_BREGMA && position && is_whole(position) &&
+                             position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
     out->is_mlapdv = has_angles && are_xyz_of_bregma;
     FAULT_IF(are_xyz_of_bregma && out->is_of_points && !head->is_named, head,
              "x y z from bregma: if x is AP and y is ML, type %s,x=x,y=y,z=z; if x is ML and y is AP, as IBL has it, "
