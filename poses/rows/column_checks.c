@@ -369,9 +369,10 @@ static void judge(const struct census *c, const struct head *head, double longes
     }
     if (c->farthest > fmax(10 * longest, 1000) && space != CONUS_SPACE_CCF && is_known && !head->out->has_unit) {
         job_bad(job,
-                "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um; if they are mm, "
+                "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um%s; if they are mm, "
                 "%s,unit=mm",
-                c->farthest, head->out->file, head->out->file);
+                c->farthest, head->out->file,
+                of_people ? "" : ", or, if they count from the corner of the CCF, --space ccf", head->out->file);
     }
     if (is_unsaid && is_known && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
         job_bad(job,

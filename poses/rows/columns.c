@@ -435,7 +435,11 @@ static const char *axis_shown(const struct head *head, size_t axis)
 static void say_origin(struct head *head)
 {
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_of_dura = text_mentions(text_from(head->names[i]), "dura") || strstr(head->names[i], " pia");
+        bool is_of_dura = false;
+        struct text rest = text_from(head->names[i]);
+        for (struct text word; text_word(&rest, &word);) {
+            is_of_dura = is_of_dura || text_is_one_of(word, "dura/pia/skull/surface", true);
+        }
         FAULT_IF(is_of_dura, head, "column \"%.*s\" is %s", POSE_QUOTE(head->line.cells[i]), space_why_dura);
     }
 }

@@ -606,7 +606,7 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     # The same 16 numbers alone are a matrix, which points along -z: away from the brain.
     run -0 --separate-stderr "$CONUS" query "$aal" --pose coil.txt --angle 20 --format tsv
     [ "$(cell name 1)" = unassigned ]
-    [[ "$stderr" == *'looking the other way it would hit Precentral_L first' ]]
+    [[ "$stderr" == *'looking the other way (--axis, or the signs of dx dy dz) it would hit Precentral_L first' ]]
 }
 
 @test "coils and contacts of other labs pass through every command" {
