@@ -13,6 +13,7 @@ struct overlap_settings {
     struct request_settings request; /* first */
     double threshold;
     const char *clusters;
+    bool any_space;
 };
 
 static const struct option region_options[] = {
@@ -22,6 +23,8 @@ static const struct option region_options[] = {
      .hint = "; for a one-sided p of 0.05, 0.01 or 0.001 type 1.64, 2.33 or 3.09 if it is a map of z; of t the value "
              "depends on the degrees of freedom",
      .otherwise = "of masks only, all that are not 0", .words = "binarise, cut-off", .common = true},
+    {OPTION_NAMED("any-space", struct overlap_settings, any_space),
+     .help = "take regions as lying in the atlas's space, whatever brain their headers name"},
     {0},
 };
 
@@ -117,6 +120,26 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     return code;
 }
 
+/* Refuses a region of another brain than the atlas's, as poses are, or of a scan where that is a template's. */
+static int check_brain(const struct overlap *overlap, size_t index, const conus_roi *roi)
+{
+    char prefix[ATLAS_PREFIX_SIZE];
+    const struct named_atlas *named = &overlap->request.atlases.items[index];
+    const conus_volume_info *info = conus_roi_volume(roi);
+    const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
+    const conus_brain_view own = conus_volume_brain(info), of_atlas = conus_atlas_brain(named->atlas);
+    bool is_template = of_atlas.brain && of_atlas.brain != CONUS_BRAIN_OWN;
+    bool is_scan = is_template && !own.brain && spaces_differ(info, atlas);
+    if (overlap->settings->any_space || (!is_scan && conus_brain_compare(own, of_atlas) != CONUS_BRAIN_GAP_OTHER)) {
+        return EXIT_DONE;
+    }
+    return print_data_error("%s%s: is of another brain (%s) than the atlas (%s): bring it to the atlas's, or move the "
+                            "atlas there (--atlas-transform); only if it lies in the atlas's space (ITK-SNAP and ANTs "
+                            "write scanner for MNI, too), type --any-space",
+                            atlases_prefix(prefix, named), info->path, is_scan ? info->transform : own.words,
+                            of_atlas.words);
+}
+
 /* Notes about where a region lies. */
 static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_table *coverages)
 {
@@ -138,11 +161,8 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
                  "%s%s: is of another brain (%s) than the atlas (%s)", prefix, info->path, brains[0].words,
                  brains[1].words);
     } else if ((!brains[0].brain || !brains[1].brain) && spaces_differ(info, atlas)) {
-        bool is_template = brains[1].brain && brains[1].brain != CONUS_BRAIN_OWN;
-        say_note(is_template ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE, quiet,
-                 "%s%s: its header names another space (%s) than the atlas's (%s)%s", prefix, info->path,
-                 info->transform, atlas->transform,
-                 is_template ? "; what was drawn on somebody's own scan must be moved to the atlas's brain first" : "");
+        say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: its header names another space (%s) than the atlas's (%s)", prefix,
+                 info->path, info->transform, atlas->transform);
     }
 }
 
@@ -194,7 +214,8 @@ static int add_region(struct overlap *overlap, const char *path)
     }
     int code = outputs_spare_inputs(&overlap->request.outputs) ? EXIT_DONE : EXIT_USAGE;
     for (size_t i = 0; !code && i < overlap->request.atlases.count; i++) {
-        code = add_answer(overlap, i, path, roi);
+        code = check_brain(overlap, i, roi);
+        code = code ? code : add_answer(overlap, i, path, roi);
     }
     conus_roi_destroy(roi);
     return code;

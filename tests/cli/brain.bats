@@ -145,7 +145,7 @@ END
     local ask='query aal,template=none --pose native.xml'
     fails 3 "or take an atlas made of that scan (ATLAS,template=none), or move" query aal --pose native.xml
     printf '# Leksell frame\nname,x,y,z\nleft STN,112.3,97.5,119.2\nright STN,88,97.9,119\n' >frame.csv
-    fails 3 "convert them to the atlas's space, by way of the scan, or move" query aal --pose frame.csv
+    fails 3 "convert them to the atlas's, by way of the scan, or move" query aal --pose frame.csv
     fails 3 'positions are in "Leksell", the atlas in another space (one person' query aal,template=none --pose frame.csv
     run -0 --separate-stderr "$CONUS" $ask -q --format tsv
     check_message "warning: $words"
@@ -161,7 +161,7 @@ END
     jq -e '(has("Warnings") or (.Atlas | has("template"))) | not' any.json
     run -0 "$CONUS" cite any.tsv
     output=$(tr '\n' ' ' <<<"$output")
-    has 'What the poses, or the scalp, say of their space was not heard (--any-space): they were taken as they are.'
+    has 'What poses, a scalp or regions say of their space was not heard (--any-space): they were taken as they are.'
 }
 
 @test "positions in MNI 305 are moved but where the atlas lies there, too" {
