@@ -116,13 +116,9 @@ static void read_pose(conus_pose_row *row, const struct reading *reading, const 
     struct job *job = reading->job;
     conus_axis axis = reading->to->options->axis;
     double identity[16];
-    bool is_identity = true;
-    bool is_zero = true; /* but for the last number */
     mat4_identity(identity);
-    for (int i = 0; i < 16; i++) {
-        is_identity = is_identity && marker->m[i] == identity[i];
-        is_zero = is_zero && (marker->m[i] == 0 || i == 15);
-    }
+    bool is_identity = mat4_is_same(marker->m, identity);
+    bool is_zero = mat4_is_same(marker->m, (double[16]){0}) || mat4_is_same(marker->m, (double[16]){[15] = 1});
     if (marker->bad) {
         job_bad(job, "%s", marker->bad);
     } else if (marker->unset) {

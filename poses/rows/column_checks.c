@@ -51,8 +51,10 @@ static void hear_rows(struct head *head)
             space_words_hear_of(said, space_unit_mm(columns_cell(head, r, i)) != 0 ? columns_cell(head, r, i)
                                                                                    : text_from(""));
         }
-        const struct space_words own =
-            out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};
+        const struct column_cells *cells = &head->cells[i];
+        bool is_name = out->role_of[i] == ROLE_NAME && cells->strong && cells->strong == cells->given;
+        bool is_heard = (is_name || out->role_of[i] == ROLE_SPACE) && !head->options->any_space;
+        const struct space_words own = is_heard ? hear_column(head, i) : (struct space_words){0};
         if (said->space.brain && own.space.brain && said->space.brain != own.space.brain) {
             job_bad(head->job,
                     "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
@@ -63,6 +65,18 @@ static void hear_rows(struct head *head)
         if (own.heard[0] && !said->heard[0]) {
             memcpy(said->heard, own.heard, sizeof said->heard);
         }
+    }
+}
+
+/* Hears a row without a header whose name is a space: "TAL: -42 -20 50". */
+static void hear_name(struct head *head, struct text row)
+{
+    double point[3];
+    struct text name;
+    struct space_words own;
+    bool is_asked = !head->out->has_header && !head->options->any_space;
+    if (is_asked && columns_point(point, &name, &head->out->table, row) && space_words_hear_cell(&own, name, true)) {
+        space_words_hear_of(&head->out->said, name);
     }
 }
 
@@ -143,6 +157,7 @@ void columns_hear_words(struct head *head)
         struct space_words own = {0};
         out->heard_lines = number;
         if (!is_of_words(&inside, head, text, number)) {
+            hear_name(head, text);
             continue;
         }
         space_words_hear(&own, inside);

@@ -453,8 +453,8 @@ static bool is_without_position(const struct columns *columns, const struct tabl
     bool is_there = line->count < columns->count;
     for (size_t i = 0; !is_there && i < columns->count; i++) {
         bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
-        is_there =
-            is_coordinate && !columns_is_absent(line->cells[i]) && !text_equal_ignoring_case(line->cells[i], "nan");
+        is_there = is_coordinate && !columns_is_absent(line->cells[i]) &&
+                   !text_is_one_of(line->cells[i], "nan/999/-999/9999/-9999", false); /* SPSS's word for nothing */
         absent += is_coordinate;
     }
     return !is_there && absent == 3;
