@@ -54,7 +54,8 @@ static void hear_rows(struct head *head)
         const struct column_cells *cells = &head->cells[i];
         bool is_name = out->role_of[i] == ROLE_NAME && cells->strong && cells->strong == cells->given;
         bool is_heard = (is_name || out->role_of[i] == ROLE_SPACE) && !head->options->any_space;
-        const struct space_words own = is_heard ? hear_column(head, i) : (struct space_words){0};
+        struct space_words own = is_heard ? hear_column(head, i) : (struct space_words){0};
+        own = is_name && !own.space.brain ? (struct space_words){0} : own; /* "In" is no unit there */
         if (said->space.brain && own.space.brain && said->space.brain != own.space.brain) {
             job_bad(head->job,
                     "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
@@ -75,7 +76,8 @@ static void hear_name(struct head *head, struct text row)
     struct text name;
     struct space_words own;
     bool is_asked = !head->out->has_header && !head->options->any_space;
-    if (is_asked && columns_point(point, &name, &head->out->table, row) && space_words_hear_cell(&own, name, true)) {
+    if (is_asked && columns_point(point, &name, &head->out->table, row) && space_words_hear_cell(&own, name, true) &&
+        own.space.brain) {
         space_words_hear_of(&head->out->said, name);
     }
 }
