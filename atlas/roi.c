@@ -62,9 +62,10 @@ static conus_status mark(conus_roi *roi, size_t count)
     }
     if (info->threshold == 0 && !is_mask(roi, count)) {
         return fail(CONUS_ERROR_ARGUMENT,
-                    "%s: has values from %s to %s and is no mask: a threshold is needed, from which on a %s belongs "
-                    "to the region (below 0: down from which)",
-                    info->path, words[1], words[2], each);
+                    "%s: has values from %s to %s and is no mask%s: a threshold is needed, from which on a %s "
+                    "belongs to the region (below 0: down from which)",
+                    info->path, words[1], words[2],
+                    info->minimum == 0 && info->maximum == 1 ? ", or was resampled (then take 0.5)" : "", each);
     }
     for (size_t i = 0; i < count; i++) {
         if (roi_value_belongs(roi_value(roi, i), info->threshold)) {

@@ -13,13 +13,18 @@ struct overlap_settings {
     struct request_settings request; /* first */
     double threshold;
     const char *clusters;
+    bool any_space;
 };
 
 static const struct option region_options[] = {
     {OPTION_VALUED("threshold", struct overlap_settings, threshold, "T"),
      .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
              "values of at most T",
+     .hint = "; for a one-sided p of 0.05, 0.01 or 0.001 type 1.64, 2.33 or 3.09 if it is a map of z; of t the value "
+             "depends on the degrees of freedom",
      .otherwise = "of masks only, all that are not 0", .words = "binarise, cut-off", .common = true},
+    {OPTION_NAMED("any-space", struct overlap_settings, any_space),
+     .help = "take regions as lying in the atlas's space, whatever brain their headers name"},
     {0},
 };
 
@@ -101,8 +106,8 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     if (is_atlas && changed) {
         print_error_line("%s; %s is an atlas: ATLAS comes first, then ROI", why, path);
     } else if (is_atlas && *option) { /* it may be a map of whole numbers as well */
-        print_error_line("%s%s; or, if it is an atlas: ROI is a mask or a map, and --atlas %s lists its parts in that "
-                         "atlas, too",
+        print_error_line("%s%s; if these are labels, save the one that is meant as a mask (the largest as T is taken "
+                         "alone); if it is an atlas, --atlas %s lists its parts, too",
                          why, option, path);
     } else if (is_atlas) {
         print_error_line("%s; %s is an atlas, and no region: ROI is a mask or a map, whose parts in that atlas are "
@@ -115,33 +120,33 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
     return code;
 }
 
-/* Notes about where a region lies. */
-static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_table *coverages)
+/* Refuses a region of another brain than the atlas's, as poses are, or of a scan where that is a template's. */
+static int check_brain(const struct overlap *overlap, const struct named_atlas *named, const conus_volume_info *info)
 {
     char prefix[ATLAS_PREFIX_SIZE];
-    const struct named_atlas *named = &overlap->request.atlases.items[index];
-    const conus_volume_info *info = conus_roi_volume(roi);
-    bool is_beside = !conus_table_rows(coverages) || !conus_table_objects(coverages)[0];
     const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
     const conus_brain_view brains[] = {conus_volume_brain(info), conus_atlas_brain(named->atlas)};
-    conus_brain_gap gap = conus_brain_compare(brains[0], brains[1]);
+    const conus_brain_gap gap = conus_brain_compare(brains[0], brains[1]);
+    bool is_template = brains[1].brain && brains[1].brain != CONUS_BRAIN_OWN;
+    bool is_other = !gap && (!brains[0].brain || !brains[1].brain) && spaces_differ(info, atlas);
     bool quiet = overlap->settings->request.common.quiet;
     atlases_prefix(prefix, named);
-    if (is_beside) {
-        say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: covers no area and no pathway; are it and the atlas in one space?",
-                 prefix, info->path);
+    if (!overlap->settings->any_space && (gap == CONUS_BRAIN_GAP_OTHER || (is_other && is_template))) {
+        return print_data_error(
+            "%s%s: is of another brain (%s) than the atlas (%s): bring it to the atlas's, or move the atlas there "
+            "(--atlas-transform); only if it lies in the atlas's space (ITK-SNAP and ANTs write scanner for MNI, too), "
+            "type --any-space",
+            prefix, info->path, is_other ? info->transform : brains[0].words, brains[1].words);
     }
     if (gap) {
         say_note(gap == CONUS_BRAIN_GAP_SMALL ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING, quiet,
                  "%s%s: is of another brain (%s) than the atlas (%s)", prefix, info->path, brains[0].words,
                  brains[1].words);
-    } else if ((!brains[0].brain || !brains[1].brain) && spaces_differ(info, atlas)) {
-        bool is_template = brains[1].brain && brains[1].brain != CONUS_BRAIN_OWN;
-        say_note(is_template ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE, quiet,
-                 "%s%s: its header names another space (%s) than the atlas's (%s)%s", prefix, info->path,
-                 info->transform, atlas->transform,
-                 is_template ? "; what was drawn on somebody's own scan must be moved to the atlas's brain first" : "");
+    } else if (is_other) {
+        say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: its header names another space (%s) than the atlas's (%s)", prefix,
+                 info->path, info->transform, atlas->transform);
     }
+    return EXIT_DONE;
 }
 
 /* A note where an atlas has bundles, which have no row. */
@@ -169,12 +174,19 @@ static void say_bundles(const struct overlap *overlap, const struct named_atlas 
 static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
 {
     struct answerer *answerer = &overlap->request.answerers[index];
+    const struct named_atlas *named = &overlap->request.atlases.items[index];
     conus_table *coverages = NULL;
+    char prefix[ATLAS_PREFIX_SIZE];
+    int code = check_brain(overlap, named, conus_roi_volume(roi));
+    if (code) {
+        return code;
+    }
     conus_status status = conus_overlap(&coverages, answerer->selector, roi);
     status = status ? status : conus_report_add_table(answerer->report, path, coverages);
-    if (!status) {
-        say_place(overlap, index, roi, coverages);
-    }
+    bool is_beside = !status && (!conus_table_rows(coverages) || !conus_table_objects(coverages)[0]);
+    say_note(CONUS_SEVERITY_NOTE, !is_beside || overlap->settings->request.common.quiet,
+             "%s%s: covers no area and no pathway; are it and the atlas in one space?", atlases_prefix(prefix, named),
+             conus_roi_volume(roi)->path);
     conus_table_destroy(coverages);
     struct asked asked = {.roi = roi};
     status = status ? status : rows_files_add(&overlap->request.rows, index, answerer->selector, path, &asked);

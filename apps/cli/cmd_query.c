@@ -211,12 +211,18 @@ static conus_status add_axis(const struct answerer *answerer, const struct query
 static int add_answer(struct query_run *run, size_t index, const struct query *query, const conus_selection *selection)
 {
     const struct query_settings *settings = run->settings;
-    const struct answerer *answerer = &run->request.answerers[index];
+    struct answerer *answerer = &run->request.answerers[index];
     bool is_shank = format_of(run->request.format)->is_of_probe && !query->is_point;
     run->has_points = run->has_points || query->is_point;
     run->has_cones = run->has_cones || !query->is_point;
     run->has_shanks = run->has_shanks || is_shank;
-    const conus_result *result;
+    const conus_result *result = conus_selection_result(selection, 0);
+    if (!query->is_point && !is_shank && !(result && result->object)) {
+        conus_pose_finding *empty = &answerer->empty;
+        *empty = empty->count ? *empty
+                              : (conus_pose_finding){.first = query->line, .pose = query->pose, .angle = query->angle};
+        empty->count++;
+    }
     for (size_t i = 0; !run->has_tracts && (result = conus_selection_result(selection, i)); i++) {
         run->has_tracts = result->kind == CONUS_KIND_PATHWAY || result->kind == CONUS_KIND_BUNDLE;
     }

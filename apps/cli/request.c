@@ -329,7 +329,11 @@ void request_say_aims(const struct request *request)
     for (size_t i = 0; aimed && i < count; i++) {
         const struct named_atlas *at = &request->atlases.items[i];
         const struct answerer *answerer = &request->answerers[i];
-        aimed[i] = (struct aimed){*conus_pose_check_found(answerer->aims),
+        conus_pose_findings found = *conus_pose_check_found(answerer->aims);
+        if (found.away.count && answerer->empty.count == found.poses) { /* in the box or not, none hits */
+            found.away = answerer->empty;
+        }
+        aimed[i] = (struct aimed){found,
                                   answerer->selector,
                                   at->atlas,
                                   at->name,

@@ -62,7 +62,8 @@ extern const struct option request_level_options[];
 struct answerer {
     conus_selector *selector;
     conus_pose_check *aims;
-    conus_report *report; /**< That of the first atlas has the answers of all. */
+    conus_report *report;     /**< That of the first atlas has the answers of all. */
+    conus_pose_finding empty; /**< Cones that hit nothing. */
 };
 
 /** One run of a command that answers. */

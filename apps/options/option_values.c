@@ -77,7 +77,7 @@ static bool outside(const struct option *option, double number)
 
 static bool refuse_value(const struct option *option, const char *text, const char *wanted)
 {
-    return refuse("--%s: \"%s\" is not %s", option->name, text, wanted);
+    return refuse("--%s: \"%s\" is not %s%s", option->name, text, wanted, option->hint ? option->hint : "");
 }
 
 static bool refuse_range(const struct option *option, const char *text)

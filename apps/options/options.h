@@ -141,6 +141,7 @@ struct option {
     const char *value; /**< Stands for the value in the help. */
     const char *help;
     const char *standard;  /**< Its value where it is not given, which is then as if it were not: option_standard(). */
+    const char *hint;      /**< Ends the refusal of a value that is no number; NULL = nothing to say. */
     const char *otherwise; /**< Or in words, where that is no one value: to give any counts. */
     const char *unit;      /**< Of its numbers: "mm", "degrees", "s", "Hz", ...; NULL = they have none. */
     const char *words;     /**< Other names that people use, "save, export", for the help and for hints; may be NULL. */

@@ -300,11 +300,13 @@ void settings_point_error(char out[256], const struct engine_settings *engine, c
                                           "segments", "clearance", "image", "jitter"};
     out[0] = '\0';
     for (size_t i = 0; i < sizeof of_axis / sizeof of_axis[0] && engine->radius == 0 && !out[0]; i++) {
-        if (option_find(arguments->command, of_axis[i]) && option_given(arguments, of_axis[i])) {
+        bool is_known = option_find(arguments->command, of_axis[i]);
+        if (is_known && (option_given(arguments, of_axis[i]) || option_restated(arguments, of_axis[i]))) {
             snprintf(out, 256,
                      "a point, without the direction that --%s needs: columns tx, ty, tz (a target) or dx, dy, dz "
-                     "state one; without --%s conus says what is at the point",
-                     of_axis[i], of_axis[i]);
+                     "state one%s; without --%s conus says what is at the point",
+                     of_axis[i], option_find(arguments->command, "inward") ? ", or --inward, into the head" : "",
+                     of_axis[i]);
         }
     }
 }

@@ -62,8 +62,9 @@ conus_status file_open_here(struct open_file *out, const char *path)
     inputs_read(path, &info);
     if (info.kind != SYSTEM_FILE) {
         close(descriptor);
-        return fail(CONUS_ERROR_IO, "cannot read: %s, a regular file is needed",
-                    info.kind == SYSTEM_FOLDER ? "is a folder" : "is a device or pipe");
+        return fail(CONUS_ERROR_IO, "cannot read: is a %s",
+                    info.kind == SYSTEM_FOLDER ? "folder, a regular file is needed: name those in it one by one"
+                                               : "device or pipe, a regular file is needed");
     }
     *out = (struct open_file){.path = path, .descriptor = descriptor};
     file_state_take(&out->before, &info);

@@ -215,7 +215,7 @@ static void refuse_folder(struct job *job, const char *folder)
     }
     job_bad(job,
             "%.*s: no surfaces in this folder (or structures.json and annotation.tiff or meshes/, as BrainGlobe has "
-            "them); for volumes: conus manifest",
+            "them); for volumes: conus manifest; a tractogram goes beside an atlas, each file as --streamlines FILE",
             length, folder);
 }
 

@@ -256,6 +256,7 @@ enum { LEVELS = sizeof levels / sizeof *levels };
 /* The values of a map that are not 0, as p values have them. */
 struct p_values {
     size_t some, taken, tenths[10]; /* taken: by the threshold */
+    size_t opposite;                /* by the threshold with a minus */
     size_t below[LEVELS];           /* By a tenth of the level at most. */
     float low, high, small;         /* small: the largest below a half */
 };
@@ -268,6 +269,7 @@ static void p_values_add(struct p_values *p, float value, double threshold)
         p->small = value < 0.5F ? fmaxf(p->small, value) : p->small;
         p->some++;
         p->taken += value >= tolerance_least(threshold);
+        p->opposite += value <= -tolerance_least(threshold);
         p->tenths[value > 0 && value < 1 ? (size_t)(10 * value) : 9]++;
         for (size_t i = 0; i < LEVELS; i++) {
             p->below[i] += value > 0.9 * levels[i] && value < 1.001 * levels[i];
@@ -279,13 +281,15 @@ static void p_values_add(struct p_values *p, float value, double threshold)
  * values are from 0 to 1 and no mask's. Either they end at a level at which p is cut, with many just below it, unlike a
  * field's or a diffusivity's few largest ones, and begin again above 1 minus it at most; or the threshold takes most.
  * One at which p is seldom cut might be of a map of probabilities; p is even where there is no effect, so each tenth
- * above the first has some. Of pathways, which are probabilities, the upper tenths are also alike, as in each of 48
+ * above the first has some. At others no inner tenth has few: of 38 simulated maps of p the least has 0.61 of their mean
+ * or more, of 17 published maps of probabilities and intensities 0.23 at most. Of pathways, which are probabilities, the upper tenths are also alike, as in each of 48
  * simulated smooth fields of a two-sided p, but in none of 68 published maps; of one side with effects of the other
  * sign they are not. */
 static void warn_of_p_values(struct job *job, const conus_volume_info *info, const struct p_values *p, bool is_pathway)
 {
     static const double CUT = 0.1;   /* p is seldom cut above */
     static const double LEAST = 0.5; /* of what even values have */
+    static const double FULL = 0.4;  /* of the mean of inner tenths */
     static const double ALIKE = 1.6; /* most, of least */
     bool is_cut = false;
     for (size_t i = 0; i < LEVELS; i++) {
@@ -295,13 +299,17 @@ static void warn_of_p_values(struct job *job, const conus_volume_info *info, con
     bool is_even = true;
     double least = INFINITY;
     double most = 0;
+    double inner = INFINITY;
     for (size_t i = 1; i < 10; i++) {
         const double count = (double)p->tenths[i];
         is_even = is_even && 10 * count >= LEAST * (double)p->some;
+        inner = i < 9 ? fmin(inner, count) : inner;
         least = i > 3 ? fmin(least, count) : least;
         most = i > 3 ? fmax(most, count) : most;
     }
-    bool is_likely = is_pathway ? is_even && most < ALIKE * least : is_even || info->threshold <= CUT;
+    const double all = (double)(p->some - p->tenths[0] - p->tenths[9]);
+    bool is_likely = is_pathway ? is_even && most < ALIKE * least
+                                : is_even || (info->threshold <= CUT && 8 * inner > FULL * all);
     if (p->low > 0 && p->low < p->high && p->high <= 1 && (is_cut || (is_likely && 2 * p->taken > p->some))) {
         job_warn(job,
                  "%s: the %s is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
@@ -415,6 +423,10 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
         p_values_add(&p, values[i], threshold);
     }
     warn_of_p_values(job, &file->info, &p, false);
+    if (p.opposite) {
+        job_note(job, "%zu voxels have values of -%s and less, and are not in the region: a threshold of -%s takes them",
+                 p.opposite, NUMBER_TEXT(threshold), NUMBER_TEXT(threshold));
+    }
     if (!JOB_CALL(job, roi_create(out, &file->info, values))) {
         memory_free(values);
     }

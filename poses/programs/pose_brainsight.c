@@ -176,7 +176,8 @@ static void read_row(struct reading *reading, struct text line)
         return;
     }
     if (!reading->has_space) {
-        job_bad(reading->job, "a pose, but no coordinate system was named before");
+        job_bad(reading->job, "a row, and no line \"# Coordinate system: ...\" above it, as Brainsight writes it: put that "
+                              "back, as \"# Coordinate system: NIfTI:Aligned\", or export again");
     }
     char buffer[POSE_ID_LIMIT + 1];
     conus_pose_row row = pose_row_at(reading->line);

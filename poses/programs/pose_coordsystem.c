@@ -265,10 +265,11 @@ void pose_coordsystem_find(struct job *job, conus_pose_list *list, const char *p
     } else if (is_needed) {
         pose_coordsystem_hear_name(job, list, path);
         bool is_named = list->space.name[0];
+        bool is_of_bids = modalities || strstr(path, "sub-"); /* else any script's table */
         if (!is_named && pose_coordsystem_hear(job, list, path, has_unit)) {
             return;
         }
-        job_put(job, is_named ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,
+        job_put(job, is_named || !is_of_bids ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,
                 "no *_%s beside it: positions are taken as mm, and %s%s%s", system_ending,
                 is_named ? "the space is that of its name, \"" : "no space is known", list->space.name,
                 is_named ? "\"" : "");

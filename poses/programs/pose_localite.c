@@ -116,19 +116,17 @@ static void read_pose(conus_pose_row *row, const struct reading *reading, const 
     struct job *job = reading->job;
     conus_axis axis = reading->to->options->axis;
     double identity[16];
-    bool is_identity = true;
     mat4_identity(identity);
-    for (int i = 0; i < 16; i++) {
-        is_identity = is_identity && marker->m[i] == identity[i];
-    }
+    bool is_identity = mat4_is_same(marker->m, identity);
+    bool is_zero = mat4_is_same(marker->m, (double[16]){0}) || mat4_is_same(marker->m, (double[16]){[15] = 1});
     if (marker->bad) {
         job_bad(job, "%s", marker->bad);
     } else if (marker->unset) {
         job_bad(job, "the marker is not set");
     } else if (!marker->matrices) {
         job_bad(job, "the marker has no Matrix4D");
-    } else if (is_identity) {
-        job_bad(job, "the matrix is the identity, as of a coil that was not tracked");
+    } else if (is_identity || is_zero) {
+        job_bad(job, "the matrix is %s, as of a coil that was not tracked", is_zero ? "all 0" : "the identity");
     }
     (void)JOB_CALL(job, pose_of_matrix(&row->pose, marker->m, reading->lps, axis ? axis : CONUS_AXIS_PLUS_X));
 }

@@ -51,8 +51,11 @@ static void hear_rows(struct head *head)
             space_words_hear_of(said, space_unit_mm(columns_cell(head, r, i)) != 0 ? columns_cell(head, r, i)
                                                                                    : text_from(""));
         }
-        const struct space_words own =
-            out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};
+        const struct column_cells *cells = &head->cells[i];
+        bool is_name = out->role_of[i] == ROLE_NAME && cells->strong && cells->strong == cells->given;
+        bool is_heard = (is_name || out->role_of[i] == ROLE_SPACE) && !head->options->any_space;
+        struct space_words own = is_heard ? hear_column(head, i) : (struct space_words){0};
+        own = is_name && !own.space.brain ? (struct space_words){0} : own; /* "In" is no unit there */
         if (said->space.brain && own.space.brain && said->space.brain != own.space.brain) {
             job_bad(head->job,
                     "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
@@ -63,6 +66,19 @@ static void hear_rows(struct head *head)
         if (own.heard[0] && !said->heard[0]) {
             memcpy(said->heard, own.heard, sizeof said->heard);
         }
+    }
+}
+
+/* Hears a row without a header whose name is a space: "TAL: -42 -20 50". */
+static void hear_name(struct head *head, struct text row)
+{
+    double point[3];
+    struct text name;
+    struct space_words own;
+    bool is_asked = !head->out->has_header && !head->options->any_space;
+    if (is_asked && columns_point(point, &name, &head->out->table, row) && space_words_hear_cell(&own, name, true) &&
+        own.space.brain) {
+        space_words_hear_of(&head->out->said, name);
     }
 }
 
@@ -143,6 +159,7 @@ void columns_hear_words(struct head *head)
         struct space_words own = {0};
         out->heard_lines = number;
         if (!is_of_words(&inside, head, text, number)) {
+            hear_name(head, text);
             continue;
         }
         space_words_hear(&own, inside);
@@ -228,7 +245,7 @@ enum { SIDE_COLUMNS = 4 };
 
 /* The numbers of the head's rows, mm or as the space has them. */
 struct census {
-    size_t points, negatives, shallow, axes, short_axes;
+    size_t points, negatives, shallow, first_shallow, axes, short_axes;
     double farthest, nearest_target, farthest_target;
     struct sides sides[1 + SIDE_COLUMNS]; /* by names, and by these columns: */
     size_t columns[SIDE_COLUMNS], column_count;
@@ -275,7 +292,9 @@ static void count_row(struct census *census, const struct head *head, const conu
     census->points++;
     census->farthest = fmax(census->farthest, distance);
     census->negatives += p[0] < 0 || p[1] < 0 || p[2] < 0;
-    census->shallow += is_of_bregma && row->is_point && p[2] > 0;
+    if (is_of_bregma && row->is_point && p[2] > 0 && !census->shallow++) {
+        census->first_shallow = row->line;
+    }
     if (isfinite(row->range[1]) && head->out->ends_at_target) {
         census->axes++;
         census->short_axes += row->range[1] < width / 20;
@@ -304,17 +323,18 @@ static void count_row(struct census *census, const struct head *head, const conu
 /* What names and columns say of sides: each is evidence. Half of two points or more is refused, one is warned of. */
 static bool judge_sides(const struct census *c, const struct head *head)
 {
-    static const char *const turns[] = {"if y > 0 is the back, too, type --space lps; else turn the sign of",
-                                        "if y > 0 is the front, type --space ras; else turn the sign of", "mend",
-                                        "mend"};
-    const char *turn = head->out->said.has_signs ? "mend" : turns[head->options->space];
+    static const char *const turns[] = {
+        "if y > 0 is the back, too, type --space lps; else turn the sign of x",
+        "if y > 0 is the front, type --space ras; else turn the sign of x", "mend ML",
+        "ML is to the right: where it has no signs, put a minus before those of the left; else mend ML"};
+    const char *turn = head->out->said.has_signs ? "mend x" : turns[head->options->space];
     bool are_right = false;
     for (size_t i = 0; i <= c->column_count; i++) {
         const struct sides *sides = &c->sides[i];
         const struct text column = i ? head->line.cells[c->columns[i - 1]] : text_from("");
         size_t wrong = sides->left_on_right + sides->right_on_left;
         char why[256];
-        snprintf(why, sizeof why, "%s%.*s%s%s x, or correct the %s", i ? "by column \"" : "", POSE_QUOTE(column),
+        snprintf(why, sizeof why, "%s%.*s%s%s, or correct the %s", i ? "by column \"" : "", POSE_QUOTE(column),
                  i ? "\", if these are sides of the brain; " : "", turn, i ? "sides" : "names");
         are_right = are_right || (sides->left && sides->right && !wrong);
         if (head->out->is_of_points) {
@@ -340,6 +360,7 @@ static void judge(const struct census *c, const struct head *head, double longes
     bool is_known = head->options->longest > 0;
     bool is_list = c->points >= LEAST && head->out->is_of_points;
     bool is_unsaid = is_list && !head->out->has_unit;
+    bool is_probe = space == CONUS_SPACE_BREGMA && !head->out->is_of_points && !head->out->has_unit;
     if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
         job_bad(job,
                 "%zu of %zu rows have no number where the header has x y z or a direction: is the order of the "
@@ -354,7 +375,7 @@ static void judge(const struct census *c, const struct head *head, double longes
                 "directions, not positions: save those of the cap in MNI, in mm; only if these are mm, type "
                 "%s,unit=mm",
                 c->farthest, head->out->file);
-    } else if (is_unsaid && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
+    } else if ((is_unsaid || is_probe) && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
                c->farthest <= (of_people ? 1 : 0.02)) {
         job_bad(job,
                 "all positions lie within %s mm of the origin, as if they were in metres: %stype %s,unit=m; if they "
@@ -363,11 +384,12 @@ static void judge(const struct census *c, const struct head *head, double longes
                 of_people ? "where x points to the nose (Brainstorm, CTF), bring them to MNI first; else " : "",
                 head->out->file, head->out->file);
     }
-    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !head->out->has_unit) {
+    if (c->farthest > fmax(10 * longest, 1000) && space != CONUS_SPACE_CCF && is_known && !head->out->has_unit) {
         job_bad(job,
-                "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um; if they are mm, "
+                "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um%s; if they are mm, "
                 "%s,unit=mm",
-                c->farthest, head->out->file, head->out->file);
+                c->farthest, head->out->file,
+                of_people ? "" : ", or, if they count from the corner of the CCF, --space ccf", head->out->file);
     }
     if (is_unsaid && is_known && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
         job_bad(job,
@@ -378,10 +400,13 @@ static void judge(const struct census *c, const struct head *head, double longes
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
         const double *b = head->options->frame->bregma;
         job_bad(job,
-                "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative; "
+                "%zu of %zu positions have a DV above 0, above bregma: if they are depths, put a minus before each DV; "
                 "if they lie above it, as a skull, --space ccf takes them: AP %g - 1000 AP, DV %g - 1000 DV, ML %g + "
                 "1000 ML, um",
                 c->shallow, c->points, b[0], b[1], b[2]);
+    } else if (c->shallow) {
+        job_warn(job, "%zu of %zu positions have a DV above 0, above bregma, the first in line %zu: is a minus missing?",
+                 c->shallow, c->points, c->first_shallow);
     }
     bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;
     if (is_known && c->axes && are_ends && 2 * c->short_axes >= c->axes) {
@@ -403,17 +428,21 @@ static void judge(const struct census *c, const struct head *head, double longes
     }
 }
 
-/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
-static void find_faults(bool *has_word, bool *has_glyph, const struct columns *columns, struct text text)
+/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate; of coordinates
+ * also the largest, which may be far from any mouse. */
+static void find_faults(bool *has_word, bool *has_glyph, double *farthest, const struct columns *columns,
+                        struct text text)
 {
     struct table_line line;
     bool fits = table_split(&line, &columns->table, text);
     *has_word = *has_glyph = false;
     for (size_t i = 0; fits && i < line.count && i < columns->count; i++) {
-        double value;
+        double value = 0;
         struct text cell = line.cells[i];
         bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
-        size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
+        *farthest = columns->role_of[i] < ROLE_X + 3 && isfinite(value) ? fmax(*farthest, fabs(value)) : *farthest;
+        bool is_glyph = cell.size && (unsigned char)cell.data[0] >= 0x80 && !text_minus(cell);
+        size_t length = is_glyph ? text_character(cell) : 0;
         *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
         *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
                       isdigit((unsigned char)cell.data[length]);
@@ -438,7 +467,7 @@ void columns_check_numbers(const struct head *head)
         bool has_glyph = false;
         census.rows += kind == LINE_ROW;
         if (kind == LINE_ROW && bad) {
-            find_faults(&has_word, &has_glyph, head->out, text);
+            find_faults(&has_word, &has_glyph, &census.farthest, head->out, text);
         } else if (kind == LINE_ROW) {
             count_row(&census, head, &row, text, name.text, longest);
         }
@@ -527,6 +556,16 @@ static void count_shaft(struct sides *sides, struct text name, double x, double 
     shaft->wrong += letters.data[0] == 'L' ? x > edge : x < -edge;
 }
 
+static void count_ending(struct sides *sides, struct text name, double x, double edge)
+{
+    const char last = name.size > 1 ? name.data[name.size - 1] : ' ';
+    const unsigned char before = name.size > 1 ? (unsigned char)name.data[name.size - 2] : ' ';
+    if ((last == 'L' || last == 'R') && (islower(before) || isdigit(before))) {
+        sides->ended[last == 'R']++;
+        sides->ended_wrong += last == 'L' ? x > edge : x < -edge;
+    }
+}
+
 bool sides_count(struct sides *sides, int side, struct text name, double x, double edge)
 {
     bool is_wrong = side < 0 ? x > edge : side > 0 && x < -edge;
@@ -539,6 +578,7 @@ bool sides_count(struct sides *sides, int side, struct text name, double x, doub
         *wrong += is_wrong;
     } else {
         count_shaft(sides, name, x, edge);
+        count_ending(sides, name, x, edge);
     }
     return is_wrong;
 }
@@ -549,7 +589,7 @@ void sides_check(struct job *job, const struct sides *s, const char *why, const 
     if (is_wrong && s->left + s->right >= 2) {
         job_bad(job,
                 "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s; only if "
-                "x and these sides are both right, type %s,sides=anyway",
+                "numbers and sides are both right, type %s,sides=anyway",
                 s->left_on_right, s->left, s->right_on_left, s->right, why, file);
     }
 }
@@ -582,6 +622,13 @@ void sides_warn(struct job *job, const struct sides *sides, int of_file)
             size_t used = strlen(shown);
             snprintf(shown + used, sizeof shown - used, "%s%s", used ? ", " : "", shaft->letters);
         }
+    }
+    const size_t *ended = sides->ended;
+    if (ended[0] && ended[1] && ended[0] + ended[1] > 2 && sides->ended_wrong == ended[0] + ended[1]) {
+        job_warn(job,
+                 "all names that end with L or R (%zu and %zu) lie on the other side; is x mirrored? If not, type "
+                 "FILE,sides=anyway",
+                 ended[0], ended[1]);
     }
     if (wrong) {
         job_warn(job,

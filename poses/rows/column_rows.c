@@ -270,6 +270,10 @@ static conus_status read_space(double *out, const struct columns *columns, struc
                           "that of the atlas (--atlas-transform)",
                           what, POSE_QUOTE(cell));
     }
+    if (!any_space && columns->grows && own == (columns->grows > 0 ? CONUS_SPACE_LPS : CONUS_SPACE_RAS)) {
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\", and the header or a line above says %s: which is it?", what,
+                    POSE_QUOTE(cell), columns->grows > 0 ? "RAS" : "LPS");
+    }
     if (!isnan(*out) && *out != own) {
         return fail(CONUS_ERROR_DATA, "two columns of spaces: \"%.*s\" in one, %s in the other", POSE_QUOTE(cell),
                     conus_space_name((size_t)*out));
@@ -449,8 +453,8 @@ static bool is_without_position(const struct columns *columns, const struct tabl
     bool is_there = line->count < columns->count;
     for (size_t i = 0; !is_there && i < columns->count; i++) {
         bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
-        is_there =
-            is_coordinate && !columns_is_absent(line->cells[i]) && !text_equal_ignoring_case(line->cells[i], "nan");
+        is_there = is_coordinate && !columns_is_absent(line->cells[i]) &&
+                   !text_is_one_of(line->cells[i], "nan/999/-999/9999/-9999", false); /* SPSS's word for nothing */
         absent += is_coordinate;
     }
     return !is_there && absent == 3;

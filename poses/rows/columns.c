@@ -327,8 +327,13 @@ static void settle_twice(struct head *head, size_t at[3], const char *const name
             found += i != settled + k && text_compare(head->line.cells[i], head->line.cells[settled + k]) == 0;
         }
     }
+    const bool all = found != 1 && is_twice[0] && is_twice[1] && is_twice[2];
+    FAULT_IF(all, head,
+             "columns %s %s %s twice: if they are the ends of an axis, call them entry_x entry_y entry_z and target_x "
+             "target_y target_z, in one header line; else keep three",
+             names[0], names[1], names[2]);
     for (size_t k = 0; k < 3; k++) {
-        FAULT_IF(found != 1 && is_twice[k], head, "column \"%s\" twice", names[k]);
+        FAULT_IF(found != 1 && is_twice[k] && !all, head, "column \"%s\" twice", names[k]);
         at[k] = found == 1 ? settled + k : at[k];
     }
 }
@@ -426,6 +431,19 @@ static const char *axis_shown(const struct head *head, size_t axis)
     return is_plain || space < CONUS_SPACE_CCF ? plain[head->lacks_space][axis] : conus_space_axis(space, axis);
 }
 
+/* Says where a column counts from that would be the axis which is missing: "DV (dura)". */
+static void say_origin(struct head *head)
+{
+    for (size_t i = 0; i < head->line.given; i++) {
+        bool is_of_dura = false;
+        struct text rest = text_from(head->names[i]);
+        for (struct text word; text_word(&rest, &word);) {
+            is_of_dura = is_of_dura || text_is_one_of(word, "dura/pia/skull/surface", true);
+        }
+        FAULT_IF(is_of_dura, head, "column \"%.*s\" is %s", POSE_QUOTE(head->line.cells[i]), space_why_dura);
+    }
+}
+
 /* Gives the columns of a family their roles, or says what it lacks. */
 static void take_family(struct head *head, const struct family *family, enum column_role first, const char *what)
 {
@@ -438,6 +456,7 @@ static void take_family(struct head *head, const struct family *family, enum col
         if (family->at[k] == COLUMN_NONE) {
             FAULT(head, "only some of the columns %s: %s, without %s", what, FAMILY_SHOWN(head, family),
                   axis_shown(head, k));
+            say_origin(head);
             continue;
         }
         const struct text cell = head->line.cells[family->at[k]];
@@ -585,6 +604,9 @@ static void find_roles(struct head *head)
     }
 }
 
+static const char angles[] = "are angles, whose order programs do not agree on: export a matrix (m00...m33) or a "
+                             "quaternion (qw qx qy qz); without them the rows are points";
+
 /* A column beside a position, without a role, that says that rows are more than points, or no axis straight down. */
 static void refuse_turned(struct head *head, const struct family *position)
 {
@@ -607,10 +629,7 @@ static void refuse_turned(struct head *head, const struct family *position)
                  FAMILY_SHOWN(head, position));
         bool are_angles = is_other && (text_starts(text_from(family->stem), "rot") || strstr(family->stem, " rot") ||
                                        strstr(family->stem, "euler"));
-        FAULT_IF(are_angles, head,
-                 "%s beside %s are angles, whose order programs do not agree on: export a matrix (m00...m33) or a "
-                 "quaternion (qw qx qy qz); without them the rows are points",
-                 FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position));
+        FAULT_IF(are_angles, head, "%s beside %s %s", FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), angles);
         FAULT_IF(is_other && !is_of_sensor && !are_angles, head,
                  "%s beside %s: if they are a direction into the head, call them dx dy dz (turn the signs of one out "
                  "of it); a point to look at is tx ty tz, an axis entry_x entry_y entry_z and target_x target_y "
@@ -619,6 +638,7 @@ static void refuse_turned(struct head *head, const struct family *position)
     }
     struct buffer list = {0};
     bool is_of_frame = false;
+    bool are_angles = has_names(head, "yaw/pitch/roll");
     for (size_t i = 0; i < head->line.count; i++) {
         struct text rest = text_from(head->names[i]);
         struct text word;
@@ -649,7 +669,8 @@ static void refuse_turned(struct head *head, const struct family *position)
              "column %s beside %s is of a stereotactic frame, and so are these: bring them to the atlas's space (to "
              "take it out is not enough); an axis is entry_x entry_y entry_z and target_x target_y target_z",
              list.data, FAMILY_SHOWN(head, position));
-    FAULT_IF(list.size && !is_of_frame, head,
+    FAULT_IF(list.size && are_angles, head, "%s beside %s %s", list.data, FAMILY_SHOWN(head, position), angles);
+    FAULT_IF(list.size && !is_of_frame && !are_angles, head,
              "column %s beside %s is not read: take it out if the rows are %s; a direction is dx dy dz, a target tx ty "
              "tz%s, a rotation qw qx qy qz or m00...m33%s",
              list.data, FAMILY_SHOWN(head, position), is_straight ? "straight down" : "points",
@@ -842,8 +863,8 @@ static void choose_families(struct head *head)
     out->is_of_points = directions == 0 && !out->is_straight;
     FAULT_IF(out->place && !out->is_of_points && (is_of_rodents || !has_angles), head,
              "a direction or a depth beside names of places, which are points");
-    bool are_xyz_of_bregma = head->options->space == CONUS_SPACE_BREGMA && position && position->stem[0] == '\0' &&
-                             find_name(head, "x", 0) == position->at[0];
+    bool are_xyz_of_bregma = head->options->space == CONUS_SPACE_BREGMA && position && is_whole(position) &&
+                             position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
     out->is_mlapdv = has_angles && are_xyz_of_bregma;
     FAULT_IF(are_xyz_of_bregma && out->is_of_points && !head->is_named, head,
              "x y z from bregma: if x is AP and y is ML, type %s,x=x,y=y,z=z; if x is ML and y is AP, as IBL has it, "
@@ -919,7 +940,8 @@ static void choose_families(struct head *head)
              "x,y,z,t with t 0 in all rows is how ANTs has points, which are LPS: --space lps reads them so; if these "
              "are RAS, take the column t out");
     FAULT_IF(out->has[ROLE_ANGLE], head,
-             "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
+             "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz; of points, "
+             "and with --inward, whose opening is --angle, take it out",
              out->shown[ROLE_ANGLE]);
     if (out->has[ROLE_DEPTH] && named) {
         drop_role(head, ROLE_DEPTH);
@@ -930,6 +952,9 @@ static void choose_families(struct head *head)
     FAULT_IF(out->has[ROLE_NEAR] || out->has[ROLE_FAR], head,
              "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
     if (!named) { /* the user's word is enough */
+        FAULT_IF(has_names(head, "m0n0/m2n2"), head,
+                 "m0n0...m2n2 are Brainsight's, whose comments are missing: put its line \"# Coordinate system: ...\" "
+                 "above, and \"# \" in front of the names of columns");
         refuse_turned(head, position);
     }
 }
@@ -1886,6 +1911,7 @@ static void plan_units(struct head *head)
     out->scale = beside > 0 ? beside : out->scale;
     if (!out->place) { /* names have neither space nor unit */
         columns_hear_words(head);
+        out->grows = out->said.has_signs ? (out->said.signs == CONUS_SPACE_LPS ? -1 : 1) : head->has_axes * head->side;
     } else if (!head->options->atlas) {
         out->said.space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
     }

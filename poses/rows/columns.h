@@ -150,6 +150,7 @@ struct columns {
     bool ends_at_target;      /**< Axes end there, not only point there (target_x, but not tx). */
     bool moves;               /**< Positions of MNI 305 are moved to MNI 152. */
     size_t heard_lines;       /**< Lines of the head, whose words are in @p said. */
+    int grows;                /**< 1: header or lines say RAS, -1: LPS, and no row may say the other. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. Fails with what it is
@@ -238,6 +239,7 @@ enum { SIDES_SHAFTS = 64, SIDES_SHAFT_SIZE = 12 };
 /** All 0: nothing was counted yet. */
 struct sides {
     size_t left, right, left_on_right, right_on_left; /**< Points that a word calls so. */
+    size_t ended[2], ended_wrong;                     /**< Names that end with L, with R ("M1L"); on the other side. */
     size_t points, beyond[2];                         /**< All, and those beyond the edge on the left and right. */
     struct shaft {
         char letters[SIDES_SHAFT_SIZE]; /**< "LPH" of "LPH 1". */
@@ -263,7 +265,8 @@ void sides_check(struct job *job, const struct sides *sides, const char *why, co
 
 /** Warns where half of the points, three at least, lie beyond the edge on the other side than their file's name says,
  * by @p of_file; and of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side
- * than the first letter says. It says a side only where there is the same shaft of the other one (RPH), or where all
+ * than the first letter says; and of names that end with L and with R, three at least, that all lie on the other side
+ * ("M1L", "M1R"). A first letter says a side only where there is the same shaft of the other one (RPH), or where all
  * names with a number begin so: of both letters, or of three shafts. */
 void sides_warn(struct job *job, const struct sides *sides, int of_file);
 

@@ -76,8 +76,8 @@ struct head {
     struct text text;
 };
 
-/** Sets in head->out what lines and columns say of the space and unit of positions; the user's word, and a column of
- * LPS or RAS, beat it. Fails where positions cannot be taken. */
+/** Sets in head->out what lines and columns say of the space and unit of positions; the user's word beats it, and a
+ * column of LPS or RAS beats --space. Fails where positions cannot be taken. */
 void columns_hear_words(struct head *head);
 
 /** Judges the numbers of the head's rows. The unit that the user or the file states is not questioned. */

@@ -8,6 +8,7 @@
 #include "poses/rows/columns_head.h"
 #include "poses/rows/pose_row.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -113,6 +114,30 @@ static bool has_names(struct text *first, struct head *head, size_t column, bool
     return names && 2 * names >= cells;
 }
 
+/* Whether most rows have three numbers beside their names, whatever stands between: coordinates, perhaps. */
+static bool has_numbers_beside(const struct head *head)
+{
+    struct text rest = head->text;
+    struct text text;
+    struct table_line line;
+    size_t rows = 0;
+    size_t found = 0;
+    for (size_t number = 0; rows < COMPARED && table_next_line(&rest, &text, &number);) {
+        size_t numbers = 0;
+        bool fits = number > head->out->head_lines && table_split(&line, &head->out->table, text);
+        for (size_t i = 0; fits && i < line.count; i++) {
+            const struct text cell = i + 1 == head->out->place ? text_from("") : line.cells[i];
+            for (size_t k = 0; k < cell.size; k++) {
+                const unsigned char before = k ? (unsigned char)cell.data[k - 1] : ' ';
+                numbers += isdigit((unsigned char)cell.data[k]) && !isalnum(before) && before != '.';
+            }
+        }
+        rows += fits;
+        found += numbers >= 3;
+    }
+    return 2 * found > rows;
+}
+
 void columns_find_places(struct head *head, const char *words)
 {
     struct columns *out = head->out;
@@ -148,9 +173,10 @@ void columns_find_places(struct head *head, const char *words)
     if (found == COLUMN_NONE && none.size && !head->row_count && head->options->atlas && !is_name(head, none, true)) {
         FAULT(head, "%s", conus_message());
     }
-    if (out->place && !word.size && head->row_count) { /* whose numbers may be coordinates */
-        FAULT(head, "to ask at the areas of these names instead, type '%s,place=%.*s'", out->file,
-              POSE_QUOTE(head->line.cells[out->place - 1]));
+    if (out->place && !word.size && (head->row_count || has_numbers_beside(head))) {
+        FAULT(head, "%sto ask at the areas of these names instead, type '%s,place=%.*s'",
+              head->row_count ? "" : "if the numbers are coordinates, put x, y and z into columns of their own; ",
+              out->file, POSE_QUOTE(head->line.cells[out->place - 1]));
         out->place = 0;
     }
 }

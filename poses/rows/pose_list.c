@@ -292,13 +292,12 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     default:
         return fail(
             CONUS_ERROR_DATA,
-            "positions are in %s, the atlas in another space (%s): areas would be wrong; convert them to the "
-            "atlas's space%s",
+            "positions are in %s, the atlas in another space (%s): convert them to the atlas's%s",
             at, words,
             is_tkras                   ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
             : brain != CONUS_BRAIN_OWN ? ""
             : is_of_frame
                 ? ", by way of the scan"
-                : ", or take an atlas made of that person's scan (only that one is typed with ',template=none')");
+                : ", or take an atlas made of that scan (ATLAS,template=none)");
     }
 }

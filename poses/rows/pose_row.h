@@ -344,7 +344,7 @@ enum pose_brain space_brain_named(struct text name);
 double space_unit_mm(struct text name);
 
 /** Why such a unit is refused, and voxels. */
-extern const char space_why_unit[], space_why_voxels[];
+extern const char space_why_unit[], space_why_voxels[], space_why_dura[];
 
 /** When --any-space is right for positions of @p space: "only if they are RAS mm of the atlas (...), type ...". */
 const char *space_any(conus_space space);

@@ -28,6 +28,8 @@ static const char why_origin[] =
     "counted from a point that is not the atlas's origin; bring them to its space, for which a shift is not enough";
 static const char why_bregma[] =
     "counted from bregma; --space bregma reads them as AP, ML, DV, and needs an atlas of the Allen CCF";
+const char space_why_dura[] = "counted from a surface whose place is not known here: conus counts from bregma. Add the "
+                              "surface's DV (the dura's, the skull's) to each, and call the column DV";
 static const char why_code[] = "a code of axes"; /* space_words_why() says more */
 const char space_why_voxels[] = "voxels, not mm: convert them to mm of the atlas's space";
 
@@ -48,8 +50,9 @@ static const struct row {
      "left and right may be exchanged: turn the sign of x if x > 0 is left, or type --space lps if y > 0 is the back, "
      "too"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
-    {"mcp/earbar/earbars/ear/ears/tragus/interaural/lambda/dura/pia/midcommissural/posterior commissure", ORIGIN, 0,
-     NULL, why_origin},
+    {"mcp/earbar/earbars/ear/ears/tragus/interaural/lambda/midcommissural/posterior commissure", ORIGIN, 0, NULL,
+     why_origin},
+    {"dura/pia/skull surface/skull/brain surface/cortical surface", ORIGIN, 0, NULL, space_why_dura},
     {"ear bar zero/earbar zero/interaural zero/ebz/interaural line", STRONG, 0, NULL, why_origin},
     {"ac/anterior commissure", FROM, 0, NULL, why_origin}, /* MNI's origin is often called so */
     {"bregma", FROM, 0, NULL, why_bregma},
@@ -256,7 +259,9 @@ static bool has_context(const struct sentence *sentence, size_t index, size_t co
 
 static void keep(struct space_words *words, struct text heard, const struct row *row)
 {
-    bool is_better = !words->heard[0] || (row->why && !words->why) ||
+    bool is_origin = row->why == why_origin || row->why == space_why_dura;
+    bool may_be_own = words->why == why_bregma || words->why == why_code; /* of the space that was asked for */
+    bool is_better = !words->heard[0] || (row->why && !words->why) || (is_origin && may_be_own) ||
                      (words->space.brain == POSE_BRAIN_MNI152 && row->brain != POSE_BRAIN_MNI152);
     if (row->brain == SIGNS) {
         conus_space signs = text_equal_ignoring_case(heard, "ras") ? CONUS_SPACE_RAS : CONUS_SPACE_LPS;

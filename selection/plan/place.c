@@ -202,8 +202,9 @@ static conus_status find_object(struct finding *finding)
            : words->numbers.count == 2 ? fail_with(status, "; it has two numbers, a point has three")
            : brain_of(finding->atlas) == BRAIN_MNI152
                ? fail_with(status, strstr(conus_message(), "quotes") ? ". Or a 10-20 position, as C3"
-                                   : strchr(conus_message(), '?')    ? " Or a 10-20 position, as C3"
-                                                                     : "; it may be a 10-20 position, as C3")
+                                   : strchr(conus_message(), '?')
+                                       ? " Or a 10-20 position, as C3"
+                                       : "; 'conus info' lists areas; or a 10-20 position, as C3")
                : status;
 }
 

@@ -134,9 +134,7 @@ static const struct report_column answer_columns[] = {
     {"offset_deg", "degree", "smallest angle between its rays and the axis", OF_ROW(NUMBER, result.offset)},
     {"distance_mm", "mm", "distance from the apex to the nearest first contact of any of its pixels",
      OF_ROW(NUMBER, result.distance)},
-    {"contact_x", "mm", "first contact on its ray closest to the axis, x", OF_ROW(X, result.contact)},
-    {"contact_y", "mm", "the same, y", OF_ROW(Y, result.contact)},
-    {"contact_z", "mm", "the same, z", OF_ROW(Z, result.contact)},
+    TABLE_XYZ("contact_", "first contact on its ray closest to the axis", OF_ROW, result.contact),
     {"atlas_x", "mm", "where that is in the atlas's own space, x", OF_ROW(OWN_X, result.contact), .only = ONLY_MOVED},
     {"atlas_y", "mm", "the same, y", OF_ROW(OWN_Y, result.contact), .only = ONLY_MOVED},
     {"atlas_z", "mm", "the same, z", OF_ROW(OWN_Z, result.contact), .only = ONLY_MOVED},
@@ -165,9 +163,7 @@ static const struct report_column answer_columns[] = {
     {"streamlines", NULL, "of a bundle: its streamlines that come into the cone", OF_BUNDLE(LARGE_COUNT, streamlines)},
     {"streamlines_total", NULL, "of a bundle: all of its streamlines", OF_BUNDLE(LARGE_COUNT, streamlines_total)},
     {"length_mm", "mm", "length of the parts of its streamlines in the cone", OF_BUNDLE(NUMBER, length)},
-    {"near_x", "mm", "the point of these parts that is nearest to the apex, x", OF_BUNDLE(X, near)},
-    {"near_y", "mm", "the same, y", OF_BUNDLE(Y, near)},
-    {"near_z", "mm", "the same, z", OF_BUNDLE(Z, near)},
+    TABLE_XYZ("near_", "the point of these parts that is nearest to the apex", OF_BUNDLE, near),
     {"along", NULL, "how far along its streamline that is, 0 to 1 of its length, in the direction of the bundle",
      OF_BUNDLE(NUMBER, along)},
     {"weight", NULL, "its part of the weights of all rays; all parts of a query sum to 1",
@@ -184,9 +180,7 @@ static const struct report_column answer_columns[] = {
      OF_DOSE(NUMBER, mean_weight)},
     {"max_weight", NULL, "the largest weight in it: at voxels' centres, on rays or streamlines",
      OF_DOSE(NUMBER, max_weight)},
-    {"max_x", "mm", "where that is, x", OF_DOSE(X, max_at)},
-    {"max_y", "mm", "the same, y", OF_DOSE(Y, max_at)},
-    {"max_z", "mm", "the same, z", OF_DOSE(Z, max_at)},
+    TABLE_XYZ("max_", "where that is", OF_DOSE, max_at),
     {"above", NULL, "mm^3 of it, or streamlines of a bundle, where the weight is at the level or above",
      OF_DOSE(NUMBER, above)},
     {"above_share", NULL, "that volume as a part of that in the whole cone", OF_DOSE(NUMBER, above_share)},
@@ -207,9 +201,7 @@ static struct cell get_radius(const conus_report *report, const struct report_ro
 
 /* Which point was asked; behind all others, so that no other column moves. */
 static const struct report_column point_columns[] = {
-    {"x", "mm", "the point that was asked, or the apex, x", OF_QUERY(X, asked.cone.pose.world_from_device[12])},
-    {"y", "mm", "the same, y", OF_QUERY(Y, asked.cone.pose.world_from_device[12])},
-    {"z", "mm", "the same, z", OF_QUERY(Z, asked.cone.pose.world_from_device[12])},
+    TABLE_XYZ("", "the point that was asked, or the apex", OF_QUERY, asked.cone.pose.world_from_device[12]),
     {"radius_mm", "mm", "radius of the ball around it that was asked; 0: what is at it", .get = get_radius,
      .home = HOME_QUERY},
 };
@@ -364,15 +356,11 @@ static const struct report_column plan_columns[] = {
      NAMED(get_broken)},
     {"entry", NULL, "number of the entry of a candidate, from 1", OF_POSE(LARGE_RANK, entry)},
     {"target", NULL, "number of its target, from 1", OF_POSE(LARGE_RANK, target)},
-    {"x", "mm", "position of the device, the apex, x", OF_POSE(X, pose.world_from_device[12])},
-    {"y", "mm", "the same, y", OF_POSE(Y, pose.world_from_device[12])},
-    {"z", "mm", "the same, z", OF_POSE(Z, pose.world_from_device[12])},
+    TABLE_XYZ("", "position of the device, the apex", OF_POSE, pose.world_from_device[12]),
     {"dx", NULL, "direction of its axis, of length 1, x", OF_ROW(NUMBER, planned.axis[0])},
     {"dy", NULL, "the same, y", OF_ROW(NUMBER, planned.axis[1])},
     {"dz", NULL, "the same, z", OF_ROW(NUMBER, planned.axis[2])},
-    {"tip_x", "mm", "far end of the needle, x", OF_ROW(X, planned.at)},
-    {"tip_y", "mm", "the same, y", OF_ROW(Y, planned.at)},
-    {"tip_z", "mm", "the same, z", OF_ROW(Z, planned.at)},
+    TABLE_XYZ("tip_", "far end of the needle", OF_ROW, planned.at),
     {"far_mm", "mm", "how far that is from the apex", OF_POSE(NUMBER, far)},
     {"entry_angle_deg", "degree", "between the axis and the inward normal at the entry", OF_POSE(NUMBER, entry_angle)},
     {"leeway_mm", "mm", "no point of the axis may be off by so much that a constraint breaks, as far as is known",
@@ -443,9 +431,7 @@ static const struct report_column profile_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"order", NULL, "number of the depth, 1 is nearest to the apex", OF_ROW(LARGE_COUNT, planned.order)},
     {"depth_mm", "mm", "depth of a point of the axis, from the apex", OF_ROW(NUMBER, planned.depth)},
-    {"x", "mm", "where that point is, x", OF_ROW(X, planned.at)},
-    {"y", "mm", "the same, y", OF_ROW(Y, planned.at)},
-    {"z", "mm", "the same, z", OF_ROW(Z, planned.at)},
+    TABLE_XYZ("", "where that point is", OF_ROW, planned.at),
     CONSTRAINT_KIND,
     CONSTRAINT_INDEX,
     CONSTRAINT_NAME,
@@ -515,9 +501,7 @@ static const struct report_column tolerance_columns[] = {
      NAMED(get_broken_object)},
     {"depth_mm", "mm", "where on the axis that is, or where what is reached begins, from the apex",
      OF_ROW(NUMBER, planned.tolerance.depth)},
-    {"x", "mm", "where in space, x", OF_ROW(X, planned.tolerance.at)},
-    {"y", "mm", "the same, y", OF_ROW(Y, planned.tolerance.at)},
-    {"z", "mm", "the same, z", OF_ROW(Z, planned.tolerance.at)},
+    TABLE_XYZ("", "where in space", OF_ROW, planned.tolerance.at),
     {"method", NULL, "exact, sampled, or graze where between both numbers something only just does not break",
      NAMED(get_method)},
 };
@@ -654,10 +638,8 @@ static const struct report_column bep032_columns[] = {
 
 /* Its positions where they are those in a brain. */
 static const struct report_column placed_columns[] = {
-    {"x", "mm", "position in the space that coordsystem.json describes, x",
-     OF_QUERY(X, asked.cone.pose.world_from_device[12])},
-    {"y", "mm", "the same, y", OF_QUERY(Y, asked.cone.pose.world_from_device[12])},
-    {"z", "mm", "the same, z", OF_QUERY(Z, asked.cone.pose.world_from_device[12])},
+    TABLE_XYZ("", "position in the space that coordsystem.json describes", OF_QUERY,
+              asked.cone.pose.world_from_device[12]),
 };
 
 /* The numbers in the list of voxels (report_voxels.c). */

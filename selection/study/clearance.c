@@ -51,12 +51,8 @@ static const struct table_field columns[] = {
     {"clearance_mm", "mm", "the same from the needle's surface: less its radius; 0 or less where the needle touches it",
      TABLE_OF(NUMBER, struct row, clearance)},
     {"depth_mm", "mm", "where the axis is nearest to it, from the apex", TABLE_OF(NUMBER, struct row, depth)},
-    {"x", "mm", "that point of the axis, x", TABLE_OF(X, struct row, at)},
-    {"y", "mm", "the same, y", TABLE_OF(Y, struct row, at)},
-    {"z", "mm", "the same, z", TABLE_OF(Z, struct row, at)},
-    {"near_x", "mm", "its nearest point to that, x", TABLE_OF(X, struct row, near)},
-    {"near_y", "mm", "the same, y", TABLE_OF(Y, struct row, near)},
-    {"near_z", "mm", "the same, z", TABLE_OF(Z, struct row, near)},
+    TABLE_XYZ("", "that point of the axis", TABLE_OF, struct row, at),
+    TABLE_XYZ("near_", "its nearest point to that", TABLE_OF, struct row, near),
 };
 
 const struct table_fields clearance_fields = {columns, sizeof columns / sizeof *columns};

@@ -398,14 +398,9 @@ static const struct table_field columns[] = {
     {"fraction", NULL, "that part of the area or pathway, 0 to 1", TABLE_OF(NUMBER, struct row, is.fraction)},
     {"cluster_fraction", NULL, "that part of the cluster, 0 to 1", TABLE_OF(NUMBER, struct row, is.roi_fraction)},
     {"peak", NULL, "the value farthest from 0 there; of a maximum its value", TABLE_OF(NUMBER, struct row, is.peak)},
-    {"peak_x", "mm", "centre of the voxel that has it, x", TABLE_OF(X, struct row, is.peak_point)},
-    {"peak_y", "mm", "the same, y", TABLE_OF(Y, struct row, is.peak_point)},
-    {"peak_z", "mm", "the same, z", TABLE_OF(Z, struct row, is.peak_point)},
+    TABLE_XYZ("peak_", "centre of the voxel that has it", TABLE_OF, struct row, is.peak_point),
     {"voxels", NULL, "voxels of the cluster", TABLE_COUNT_BY(voxels)},
-    {"centre_x", "mm", "centre of mass of the cluster, its voxels weighted by value, x",
-     TABLE_OF(X, struct row, centre)},
-    {"centre_y", "mm", "the same, y", TABLE_OF(Y, struct row, centre)},
-    {"centre_z", "mm", "the same, z", TABLE_OF(Z, struct row, centre)},
+    TABLE_XYZ("centre_", "centre of mass of the cluster, its voxels weighted by value", TABLE_OF, struct row, centre),
     {"volume_error_mm3", "mm^3", COVERAGE_ERROR, TABLE_OF(NUMBER, struct row, is.volume_error), .unless_zeros = true},
 };
 

@@ -716,9 +716,7 @@ static const struct table_field columns[] = {
     {"fraction", NULL, "that part of the area or pathway, 0 to 1", TABLE_OF(NUMBER, struct coverage, fraction)},
     {"region_fraction", NULL, "that part of the region, 0 to 1", TABLE_OF(NUMBER, struct coverage, roi_fraction)},
     {"peak", NULL, "the region's value farthest from 0 there", TABLE_OF(NUMBER, struct coverage, peak)},
-    {"peak_x", "mm", "centre of the voxel that has it, x", TABLE_OF(X, struct coverage, peak_point)},
-    {"peak_y", "mm", "the same, y", TABLE_OF(Y, struct coverage, peak_point)},
-    {"peak_z", "mm", "the same, z", TABLE_OF(Z, struct coverage, peak_point)},
+    TABLE_XYZ("peak_", "centre of the voxel that has it", TABLE_OF, struct coverage, peak_point),
     {"volume_error_mm3", "mm^3", COVERAGE_ERROR, TABLE_OF(NUMBER, struct coverage, volume_error), .unless_zeros = true},
 };
 

@@ -26,9 +26,7 @@ struct row {
 
 static const struct table_field fields[] = {
     {"query_id", NULL, "the position", TABLE_OF(TEXT, struct row, name)},
-    {"x", "mm", "where it is, x", TABLE_OF(X, struct row, at)},
-    {"y", "mm", "the same, y", TABLE_OF(Y, struct row, at)},
-    {"z", "mm", "the same, z", TABLE_OF(Z, struct row, at)},
+    TABLE_XYZ("", "where it is", TABLE_OF, struct row, at),
     {"dx", NULL, "straight into the head, x; n/a where no normal is known", TABLE_OF(NUMBER, struct row, along[0])},
     {"dy", NULL, "the same, y", TABLE_OF(NUMBER, struct row, along[1])},
     {"dz", NULL, "the same, z", TABLE_OF(NUMBER, struct row, along[2])},

@@ -306,9 +306,7 @@ static const struct table_field columns[] = {
     {"margin_deg", "degree", "by how much the cone must open further for the next one",
      TABLE_OF(NUMBER, struct row, margin)},
     {"distance_mm", "mm", "distance from the apex to what is admitted first", TABLE_OF(NUMBER, struct row, distance)},
-    {"x", "mm", "where that is, x", TABLE_OF(X, struct row, point)},
-    {"y", "mm", "the same, y", TABLE_OF(Y, struct row, point)},
-    {"z", "mm", "the same, z", TABLE_OF(Z, struct row, point)},
+    TABLE_XYZ("", "where that is", TABLE_OF, struct row, point),
     {"measured", NULL, "what that is: voxel centre, surface of a mesh or streamline; exact any way",
      TABLE_NAME_BY(measured)},
 };

@@ -189,6 +189,12 @@ struct cell table_place(const struct table_source *source, const void *row, size
 
 /** Entries of a list of fields: where a value lies, after its name, unit and help. */
 #define TABLE_OF(kind, row, member) .type = COLUMN_##kind, .offset = offsetof(row, member)
+/** The three columns of a point, PREFIXx and so on, by @p of: TABLE_OF, or another macro that takes a kind first. */
+#define TABLE_XYZ(prefix, words, of, ...)                                                                              \
+    {prefix "x", "mm", words ", x", of(X, __VA_ARGS__)}, {prefix "y", "mm", "the same, y", of(Y, __VA_ARGS__)},        \
+    {                                                                                                                  \
+        prefix "z", "mm", "the same, z", of(Z, __VA_ARGS__)                                                            \
+    }
 #define TABLE_NAME_BY(getter) .type = COLUMN_NAME, .get = getter
 #define TABLE_LABEL_BY(getter) .type = COLUMN_LABEL, .get = getter
 #define TABLE_COUNT_BY(getter) .type = COLUMN_LARGE_COUNT, .get = getter

@@ -53,7 +53,7 @@ need() {
     for i in 0 1; do
         "$CONUS" batch sphere.nii.gz --poses poses.tsv --shard $i/2 -q -o joined.tsv
     done
-    jq -e '.Warnings == ["poses.tsv: 2 of 2 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first"]' joined.0-of-2.json
+    jq -e '.Warnings == ["poses.tsv: 2 of 2 cones point away from the atlas, the first in line 2; looking the other way (--axis, or the signs of dx dy dz) it would hit Sphere first"]' joined.0-of-2.json
     jq -e 'has("Warnings") | not' joined.1-of-2.json
     "$CONUS" batch sphere.nii.gz --poses poses.tsv --shard all/2 -q -o joined.tsv
     jq -e 'has("Warnings") | not' joined.json
@@ -143,9 +143,9 @@ END
     cp "$BATS_TEST_DIRNAME/../corpus/points/localite-ras.xml" native.xml
     local words="',template=none' says one person's own, but its files say Colin 27"
     local ask='query aal,template=none --pose native.xml'
-    fails 3 "or take an atlas made of that person's scan (only that one is typed with ',template=none'), or move" query aal --pose native.xml
+    fails 3 "or take an atlas made of that scan (ATLAS,template=none), or move" query aal --pose native.xml
     printf '# Leksell frame\nname,x,y,z\nleft STN,112.3,97.5,119.2\nright STN,88,97.9,119\n' >frame.csv
-    fails 3 "convert them to the atlas's space, by way of the scan, or move" query aal --pose frame.csv
+    fails 3 "convert them to the atlas's, by way of the scan, or move" query aal --pose frame.csv
     fails 3 'positions are in "Leksell", the atlas in another space (one person' query aal,template=none --pose frame.csv
     run -0 --separate-stderr "$CONUS" $ask -q --format tsv
     check_message "warning: $words"
@@ -161,7 +161,7 @@ END
     jq -e '(has("Warnings") or (.Atlas | has("template"))) | not' any.json
     run -0 "$CONUS" cite any.tsv
     output=$(tr '\n' ' ' <<<"$output")
-    has 'What the poses, or the scalp, say of their space was not heard (--any-space): they were taken as they are.'
+    has 'What poses, a scalp or regions say of their space was not heard (--any-space): they were taken as they are.'
 }
 
 @test "positions in MNI 305 are moved but where the atlas lies there, too" {

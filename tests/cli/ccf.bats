@@ -333,3 +333,9 @@ END
     printf '{"xyz_picks": [[-1.639, -0.1, -0.468]]}' >"$BATS_TEST_TMPDIR/mm.json"
     fails 3 'micrometres are needed, not mm or m' query ras.nii --pose "$BATS_TEST_TMPDIR/mm.json" --radius 1 --space ccf
 }
+
+@test "ML without signs beside a column of sides is refused in words of ML" {
+    printf 'site,side,AP,ML,DV\nM2,L,1.2,1.5,-.8\nS1,L,-1.1,3,-.6\nV1,R,-3.5,2.5,-.5\n' >"$BATS_TEST_TMPDIR/sites.csv"
+    fails 3 'ML is to the right: where it has no signs, put a minus before those of the left' \
+        query ras.nii --space bregma --pose "$BATS_TEST_TMPDIR/sites.csv"
+}

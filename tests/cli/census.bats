@@ -123,7 +123,7 @@ Bad (group b)  no answer: line 3: column x: \"b\" is not a finite number" ]
     conus verify rows.tsv
     # An option of an axis asks for one.
     local option
-    for option in '--angle 5' '--layers all' '--range 0,9' '--segments a.tsv' '--clearance a.tsv' '--image a.png'; do
+    for option in '--angle 10' '--layers all' '--range 0,9' '--segments a.tsv' '--clearance a.tsv' '--image a.png'; do
         fails 3 "points.txt: a point, without the direction that ${option% *} needs" query nested.nii.gz --pose points.txt $option
         [ "$option" = '--image a.png' ] || fails 3 "that ${option% *} needs" batch nested.nii.gz --poses points.txt $option
     done

@@ -75,10 +75,9 @@ scene() {
     [ "$(cell region_fraction 1)" = 1 ]
 }
 
-# The phantom's header says scanner, on no grid that is known: on a template a warning, which -q keeps.
-@test "a region of somebody's own scan on a template's atlas is warned of" {
+# The phantom's header says scanner, on no grid that is known: on a template it is refused, as a coil is.
+@test "a region of somebody's own scan on a template's atlas is refused" {
     scene
-    local words="cone.nii.gz: its header names another space (sform, code 1 (scanner)) than the atlas's"
     run -0 --separate-stderr "$CONUS" overlap nested.nii.gz,template=mni152 cone.nii.gz -q --format tsv
     [ -z "$stderr" ] # the same space: nothing is known to differ
     /usr/bin/python3 - <<'EOF'
@@ -87,9 +86,10 @@ data = bytearray(gzip.open("nested.nii.gz").read())
 struct.pack_into("<hh", data, 252, 4, 4)
 gzip.open("mni.nii.gz", "wb").write(data)
 EOF
-    run -0 --separate-stderr "$CONUS" overlap mni.nii.gz cone.nii.gz -q --format json
-    [[ "$stderr" == "conus: warning: $words (sform, code 4 (MNI 152)); what was drawn on somebody's own scan must be "* ]]
-    [[ "$(jq -r '.Warnings[0]' <<<"$output")" == *"$words"* ]]
+    fails 3 'cone.nii.gz: is of another brain (sform, code 1 (scanner)) than the atlas (' overlap mni.nii.gz cone.nii.gz
+    run -0 --separate-stderr "$CONUS" overlap mni.nii.gz cone.nii.gz --any-space -q --format tsv -o any.tsv
+    [ -z "$stderr" ]
+    conus verify any.tsv
 }
 
 @test "a bundle has no row, and that is said" {
@@ -116,7 +116,8 @@ EOF
         for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { printf "%.3g", $at["volume_mm3"] }') "
 }
 
-# Of 6 voxels that are not 0, 5 have 0.001 and more.
+# 60 voxels of 0.00001 to 0.0006, of which 31 have 0.0003 and more, and 40 even ones. Maps of probabilities have few in
+# some tenth from 0.1 to 0.9.
 @test "a map of p values at a p takes the large ones, and a warning says so" {
     conus phantom nested -o .
     map() { # VALUES
@@ -124,13 +125,15 @@ EOF
             'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' "$1" >map.nrrd
         sed -i "s/sizes: 8/sizes: $(wc -w <<<"$1")/" map.nrrd
     }
-    map '0 0.0005 0.2 0.3 0.5 0.7 1 0'
-    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.001
-    [[ "$stderr" == *"map.nrrd: the region is 83.3 % of the voxels that are not 0, and all values are from 0 to 1: of a map of p values it has \
+    map "$(awk 'BEGIN { for (i = 0; i < 100; i++) printf "%g ", i < 40 ? (i + 0.5) / 40 : (i - 39) * 1e-5 }')"
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.0003
+    [[ "$stderr" == *"map.nrrd: the region is 71 % of the voxels that are not 0, and all values are from 0 to 1: of a map of p values it has \
 the large ones; such a map is asked as 1 - p, or as its z values"* ]]
-    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.001 -q
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz map.nrrd --threshold 0.0003 -q
     [[ "$stderr" == 'conus: warning: '*'of a map of p values'* ]]
     answers overlap nested.nii.gz map.nrrd --threshold 0.6
+    map '0 0.01 0.06 0.07 0.1 0.15 0.2 0.2 0.3 0.6 0' # a tract's
+    answers overlap nested.nii.gz map.nrrd --threshold 0.05
     map '0 0.0005 0.2 0.3 0.5 0.7 2.25 0' # no p
     answers overlap nested.nii.gz map.nrrd --threshold 0.001
     map '0 1 1 1 1 1 1 0' # a mask
@@ -157,6 +160,24 @@ the large ones; such a map is asked as 1 - p, or as its z values"* ]]
     answers overlap nested.nii.gz map.nrrd --threshold 0.05
     map "$(awk 'BEGIN { for (i = 0; i < 300; i++) printf "%g ", 0.001 * exp(-i / 10) }')" # a field: 2 near its largest
     answers overlap nested.nii.gz map.nrrd --threshold 0.0005
+}
+
+# Of 4 voxels with values beyond 3 two are in the region.
+@test "values of the other sign are noted, and a p as a threshold has its z" {
+    conus phantom nested -o .
+    printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 6 1 1' 'space: RAS' \
+        'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' 'encoding: text' '' '1 4 5 -3 -6 -1' >z.nrrd
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz z.nrrd --threshold 3
+    [[ "$stderr" == *"note: 2 voxels have values of -3 and less, and are not in the region: a threshold of -3 takes them"* ]]
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz z.nrrd --threshold 7.5e-1 -q
+    [ -z "$stderr" ]
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz z.nrrd --threshold -3
+    [[ "$stderr" != *"are not in the region"* ]]
+    fails 2 '"p<0.001" is not a number; for a one-sided p of 0.05, 0.01 or 0.001 type 1.64, 2.33 or 3.09' \
+        overlap nested.nii.gz z.nrrd --threshold 'p<0.001'
+    printf '0 0.2 0.9 1 1 0.1' >values
+    sed "\$s/.*/$(cat values)/" z.nrrd >mask.nrrd
+    fails 2 'and is no mask, or was resampled (then take 0.5): a threshold is needed' overlap nested.nii.gz mask.nrrd
 }
 
 # Published maps of probabilities have a tail, or most at both ends.
@@ -201,7 +222,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     [[ "$stderr" != *"comes first"* ]]
     fails 3 "found 0.5" overlap map.nrrd cone.nii.gz
     [[ "$stderr" != *"comes first"* ]]
-    fails 2 ": --threshold T; or, if it is an atlas: ROI is a mask or a map, and --atlas nested.nii.gz lists" overlap nested.nii.gz nested.nii.gz
+    fails 2 ": --threshold T; if these are labels, save the one that is meant as a mask (the largest as T is taken alone); if it is an atlas, --atlas nested.nii.gz lists" overlap nested.nii.gz nested.nii.gz
     fails 3 "cannot open" overlap cone.nii.gz nothing.nii.gz
     [[ "$stderr" != *"comes first"* ]]
 }

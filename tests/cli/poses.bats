@@ -553,7 +553,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     fails 3 'else type abc.csv,x=a,y=b,z=c,unit=m; if they are mm, abc.csv,x=a,y=b,z=c,unit=mm' \
         query sphere.nii.gz --pose abc.csv,x=a,y=b,z=c
     printf 'name,x_lps,y_lps,z_lps\nleft A,-42,-20,50\nright B,38,14,-4\n' >lps.csv # --space cannot turn these
-    fails 3 'right on the left; mend x, or correct the names; only if x and these sides are both right, type lps.csv,sides=anyway' \
+    fails 3 'right on the left; mend x, or correct the names; only if numbers and sides are both right, type lps.csv,sides=anyway' \
         query sphere.nii.gz --pose lps.csv
 }
 
@@ -606,7 +606,7 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     # The same 16 numbers alone are a matrix, which points along -z: away from the brain.
     run -0 --separate-stderr "$CONUS" query "$aal" --pose coil.txt --angle 20 --format tsv
     [ "$(cell name 1)" = unassigned ]
-    [[ "$stderr" == *'looking the other way it would hit Precentral_L first' ]]
+    [[ "$stderr" == *'looking the other way (--axis, or the signs of dx dy dz) it would hit Precentral_L first' ]]
 }
 
 @test "coils and contacts of other labs pass through every command" {

@@ -230,18 +230,22 @@ END
     says 'warning: the cone points away from the atlas; looking the other way it would hit Sphere first' \
         sweep sphere.nii.gz --origin 0,0,100 --direction 0,0,1 --angles 40,10 --format tsv
     printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t90\t0\t0\t-1\n0\t0\t90\t0\t0\t1\n90\t0\t0\t0\t1\t0\n' >poses.tsv
-    local away='warning: poses.tsv: 2 of 3 cones point away from the atlas, the first in line 3; looking the other way it would hit Sphere first'
+    local away='warning: poses.tsv: 2 of 3 cones point away from the atlas, the first in line 3; looking the other way (--axis, or the signs of dx dy dz) it would hit Sphere first'
     says "$away" query sphere.nii.gz --pose poses.tsv --format tsv
     answer=$output
     says "$away" batch sphere.nii.gz --poses poses.tsv -o rows.tsv
     [ "$(cat rows.tsv)" = "$answer" ]
     says "$away" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force --threads 3 --block 1
     says "$away" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force --quiet
+    # The first begins in a corner of the box around the sphere, and looks out of it.
+    printf 'x\ty\tz\tdx\tdy\tdz\n18\t18\t18\t0\t0\t1\n0\t0\t90\t0\t0\t1\n' >poses.tsv
+    says 'warning: poses.tsv: 2 of 2 cones point away from the atlas, the first in line 2' \
+        query sphere.nii.gz --pose poses.tsv --format tsv
     printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t5\t0\t0\t-1\n' >poses.tsv
     says 'note: poses.tsv: 1 of 1 devices lie inside an area, the first in line 2, inside Sphere' \
         query sphere.nii.gz --pose poses.tsv --format tsv
     printf 'x\ty\tz\tdx\tdy\tdz\ttime_s\n0\t0\t90\t0\t0\t1\t0\n' >hand.tsv
-    says 'warning: hand.tsv: 1 of 1 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first' \
+    says 'warning: hand.tsv: 1 of 1 cones point away from the atlas, the first in line 2; looking the other way (--axis, or the signs of dx dy dz) it would hit Sphere first' \
         track sphere.nii.gz --poses hand.tsv --format tsv
     printf '0\t0\t90\t0\t0\t-1\t1\n' >>hand.tsv
     answers track sphere.nii.gz --poses hand.tsv --format tsv # a device in the hand points here and there

@@ -142,7 +142,7 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"x,y,z,near,far\n1,2,3,4,5\n", "near and far are depths along a direction"},
         {"x,y,z,ux,uy,uz\n1,2,3,4,5,6\n", "ux uy uz go with"},
         {"x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6\n", "positions in x1 y1 z1 or in x2 y2 z2"},
-        {"x,y,z,x,y,z\n1,2,3,4,5,6\n", "column \"x\" twice"},
+        {"x,y,z,x,y,z\n1,2,3,4,5,6\n", "columns x y z twice: if they are the ends of an axis"},
         {"x,y,z,entry_x,entry_y,entry_z\n1,2,3,4,5,6\n", "entry_x entry_y entry_z beside x y z"},
         {"vox_x,vox_y,vox_z\n1,2,3\n", "voxels, not mm"},
         {"# mm relative to MCP\n1 2 3\n", "counted from a point that is not"},

@@ -111,7 +111,7 @@ static void brainsight_is_read_strictly(void **state)
 {
     (void)state;
     refuse("# Coordinate system: Brainsight\n" COLUMNS, NULL, "\"Brainsight\" is not the world of an image");
-    refuse(COLUMNS "a\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n", NULL, "no coordinate system was named");
+    refuse(COLUMNS "a\t0\t0\t0\t1\t0\t0\t0\t1\t0\t0\t0\t1\n", NULL, "no line \"# Coordinate system: ...\" above it");
     refuse(SPACE "# Units: inches\n" COLUMNS, NULL, "units \"inches\"");
     refuse(SPACE "# Target Name\tLoc. X\tLoc. Y\n", NULL, "no columns Loc. X, Loc. Y, Loc. Z");
     refuse(SPACE "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\n", NULL, "only some of the columns");

@@ -301,7 +301,7 @@ static void a_position_is_one_of_a_cap(void **state)
     assert_memory_equal(place.outward, f3->outward, sizeof place.outward);
     assert_place("T3", -82.4, -16.9, -9.3, "position T7: (-82.4, -16.9, -9.3)");
     refuse_place("Cores", "\"Core_R\"? Or a 10-20 position, as C3");
-    refuse_place("Xyz", "; it may be a 10-20 position, as C3");
+    refuse_place("Xyz", "; 'conus info' lists areas; or a 10-20 position, as C3");
     /* Areas that are called so come first. */
     assert_place("fp1", -10.5, 2.5, -3.5,
                  "Area Fp1 left: (-10.5, 2.5, -3.5), 2.0 mm inside, the area; a position of a cap is called so, too "
