@@ -169,7 +169,7 @@ static void read_row(struct reading *reading, struct text line)
     }
     if (reading->counting) {
         struct text field;
-        for (bool more = true; text_field(&line, '\t', &more, &field);) {
+        for (bool more = memchr(line.data, ',', line.size); text_field(&line, '\t', &more, &field);) {
             table_add_comma(&reading->cells.table, field);
         }
         reading->rows[reading->kind]++;
