@@ -204,6 +204,7 @@ static void read_lines(struct reading *reading, struct text text)
     job_out(reading->job, mark);
 }
 
+/* Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
 void pose_brainsight_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to, .counting = true};

@@ -90,11 +90,14 @@ static void parse_from(struct pose_reading *to, struct text text, size_t space)
     add_contacts(to, pose_matlab(to, text), space);
 }
 
+/* The contacts of Lead-DBS's reconstruction, ea_reconstruction.mat or *_desc-reconstruction.mat, as points in MNI
+ * space, or in the patient's own where it has no other. text is no longer than pose_memory(). */
 void pose_lead_dbs_parse(struct pose_reading *to, struct text text)
 {
     parse_from(to, text, 0);
 }
 
+/* The same in the patient's own space. */
 void pose_lead_dbs_parse_native(struct pose_reading *to, struct text text)
 {
     parse_from(to, text, 1);
