@@ -306,8 +306,8 @@ static bool read_short_decimal(struct text text, double *out)
 /* Copies the text with a final NUL; false if it is clearly no decimal number. */
 static bool copy_number(char copy[NUMBER_LIMIT + 1], struct text text)
 {
-    if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0]) || memchr(text.data, 'x', text.size) ||
-        memchr(text.data, 'X', text.size)) {
+    if (!text.size || text.size > NUMBER_LIMIT || !strchr("0123456789+-.INin", text.data[0]) ||
+        memchr(text.data, 'x', text.size) || memchr(text.data, 'X', text.size)) {
         return false;
     }
     memcpy(copy, text.data, text.size);

@@ -22,7 +22,7 @@
 #include <math.h>
 #include <string.h>
 
-static void parse_matrix(struct pose_reading *to, struct text text)
+void pose_matrix_parse(struct pose_reading *to, struct text text)
 {
     conus_pose_row row = pose_row_at(1);
     conus_status bad = CONUS_OK;
@@ -32,30 +32,12 @@ static void parse_matrix(struct pose_reading *to, struct text text)
     pose_add(to, &row, text_from(""), bad ? conus_message() : NULL);
 }
 
-/* Formats by number. A parser reads a text as a whole (pose_programs.h); without one it is read line by line. Those
- * with an id are known by the row of the table of formats (sources/). */
+#define READ_BY_LINES(id, word) {word, NULL},
+#define READ_WHOLE(id, word, parse) {word, parse},
 static const struct {
     const char *name;
     void (*parse)(struct pose_reading *to, struct text text);
-    enum format_id id;
-} formats[] = {
-    [POSE_FORMAT_AUTO] = {"auto", NULL, FORMAT_OTHER},
-    [POSE_FORMAT_TABLE] = {"table", NULL, FORMAT_OTHER},
-    [POSE_FORMAT_MATRIX] = {"matrix", parse_matrix, FORMAT_OTHER},
-    [POSE_FORMAT_POINTS] = {"points", NULL, FORMAT_OTHER},
-    [POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse, FORMAT_BRAINSIGHT},
-    [POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse, FORMAT_LOCALITE},
-    [POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse, FORMAT_OTHER},
-    [POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse, FORMAT_MARKUPS},
-    [POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse, FORMAT_MATLAB},
-    [POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse, FORMAT_OTHER},
-    [POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse, FORMAT_INVESALIUS},
-    [POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse, FORMAT_OTHER},
-    [POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse, FORMAT_OTHER},
-    [POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse, FORMAT_OTHER},
-    [POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse, FORMAT_HDF5},
-    [POSE_FORMAT_LIST] = {"list", pose_lists_parse, FORMAT_OTHER},
-};
+} formats[] = {POSE_FORMAT_ROWS(READ_BY_LINES, READ_WHOLE)};
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -232,10 +214,10 @@ static struct text first_row(size_t *size, struct text head, bool all)
 static enum pose_format format_of(const struct format *known, struct text row)
 {
     enum pose_format format = POSE_FORMAT_AUTO;
-    while (known && known->id && (size_t)format < FORMATS && formats[format].id != known->id) {
+    while (known && known->poses && strcmp(formats[format].name, known->poses) != 0) { /* a row's is one of these */
         format++;
     }
-    return format && (size_t)format < FORMATS               ? format
+    return format                                           ? format
            : row.size && pose_electrodes_header(row, false) ? POSE_FORMAT_ELECTRODES
            : row.size && pose_nibs_header(row)              ? POSE_FORMAT_NIBS
                                                             : POSE_FORMAT_TABLE;
@@ -249,13 +231,13 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     size_t used = 0;
     (void)JOB_CALL(job, columns_words_parse(&stream->words, stream->options.columns));
     (void)JOB_CALL(job, pose_lines_fill(lines, POSE_LINE_LIMIT, true));
-    for (bool all = false; job_ok(job) && !all && !row.size && !(known && known->id);) {
+    for (bool all = false; job_ok(job) && !all && !row.size && !(known && known->poses);) {
         const struct text head = at_hand(lines);
         const struct file_head of_file = head_of(NULL, &(struct bytes){(uint8_t *)head.data, head.size});
         all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         row = first_row(&used, head, all);
         known = format_find(&of_file, ROLE_POSES);
-        if (!all && !row.size && !(known && known->id)) {
+        if (!all && !row.size && !(known && known->poses)) {
             (void)JOB_CALL(job, pose_lines_fill(lines, lines->size + 1, false));
         }
     }
@@ -277,7 +259,7 @@ static void find_format(struct job *job, conus_pose_stream *stream)
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     if (!is_own_word && pose_lists_know(head, stream->path)) {
         found = POSE_FORMAT_LIST;
-    } else if (known && !known->id) {
+    } else if (known && !known->poses) {
         job_bad(job, "%s", known->words);
     } else if (used && memchr(head.data, '\0', used)) {
         job_bad(job, "a zero byte: not a text of poses");

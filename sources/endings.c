@@ -6,6 +6,12 @@
 
 #include <string.h>
 
+#define OF_VOLUME(ending)                                                                                              \
+    ,                                                                                                                  \
+    {                                                                                                                  \
+        ending, ROLE_VOLUME                                                                                            \
+    }
+#define OF_FORMAT(id, name, endings) endings
 /* In the order in which folders are searched: of two that fit a name the longer one counts. */
 static const struct {
     const char *ending;
@@ -13,21 +19,7 @@ static const struct {
 } rows[] = {
     {".atlas.json", ROLE_SCENE},
     {".conus", ROLE_SCENE},
-    {".dlabel.nii", ROLE_VERTEX_LABELS | ROLE_SCENE},
-    {".nii", ROLE_VOLUME},
-    {".hdr", ROLE_VOLUME},
-    {".img", ROLE_VOLUME},
-    {".mgz", ROLE_VOLUME},
-    {".mgh", ROLE_VOLUME},
-    {".seg.nrrd", ROLE_VOLUME},
-    {".nrrd", ROLE_VOLUME},
-    {".nhdr", ROLE_VOLUME},
-    {".mha", ROLE_VOLUME},
-    {".mhd", ROLE_VOLUME},
-    {".HEAD", ROLE_VOLUME},
-    {".BRIK", ROLE_VOLUME},
-    {".tiff", ROLE_VOLUME},
-    {".tif", ROLE_VOLUME},
+    {".dlabel.nii", ROLE_VERTEX_LABELS | ROLE_SCENE} VOLUME_FORMATS(OF_FORMAT, OF_VOLUME),
     {".surf.gii", ROLE_SURFACE},
     {".label.gii", ROLE_VERTEX_LABELS},
     {".gii", ROLE_SURFACE | ROLE_VERTEX_LABELS},

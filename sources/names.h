@@ -19,10 +19,26 @@ enum role {
     ROLE_TRANSFORM = 1 << 4,
     ROLE_SCENE = 1 << 5,  /**< An atlas that names other files, or has several parts. */
     ROLE_REGION = 1 << 6, /**< A mesh as a region of interest. */
-    ROLE_POSES = 1 << 7, /**< Of formats without tables and lists, whose readers tell themselves apart. A format without
-                            an id says in its words why such a file holds none. */
+    ROLE_POSES = 1 << 7,  /**< Of formats without tables and lists, whose readers tell themselves apart. A row without
+                             the word of one says why such a file holds none. */
     ROLES_ATLAS = ROLE_VOLUME | ROLE_SURFACE | ROLE_VERTEX_LABELS | ROLE_SCENE
 };
+
+/** The formats of volumes: ROW(ID, NAME, ENDINGS) is FORMAT_ID (source.h), whose bytes rows of rows.c know, and
+ * NAME_reader of loaders/volumes/. In the order in which folders are searched. */
+#define VOLUME_FORMATS(ROW, ENDING)                                                                                    \
+    ROW(NIFTI, nifti, ENDING(".nii"))                                                                                  \
+    ROW(IMG, nifti_image, ENDING(".hdr") ENDING(".img")) /* the voxels of a pair of NIfTI */                           \
+    ROW(MGH, mgh, ENDING(".mgz") ENDING(".mgh"))                                                                       \
+    ROW(NRRD, nrrd, ENDING(".seg.nrrd") ENDING(".nrrd") ENDING(".nhdr"))                                               \
+    ROW(METAIMAGE, metaimage, ENDING(".mha") ENDING(".mhd"))                                                           \
+    ROW(AFNI, afni, ENDING(".HEAD"))                                                                                   \
+    ROW(BRIK, afni_brik, ENDING(".BRIK")) /* the voxels of AFNI, which were named instead */                           \
+    ROW(TIFF, tiff, ENDING(".tiff") ENDING(".tif"))                                                                    \
+    ROW(ZARR, zarr, )                                                                                                  \
+    ROW(HDF5, minc, ) /* MINC 2, transforms of ITK and X5, SimNIBS, NWB */
+/** Those in messages. */
+#define VOLUME_NAMES "NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC"
 
 /** Length of the longest ending of the first @p length bytes of @p name that a file of one of @p roles may have, ".gz"
  * behind it with it; 0 = it has none. Case does not count, and something stands before it. */

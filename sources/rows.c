@@ -151,6 +151,7 @@ static bool is_no_text(const struct file_head *head)
     {                                                                                                                  \
         .id = FORMAT_##id_, .roles = roles_, .words = words_, .way = way_, __VA_ARGS__                                 \
     }
+#define POSES(word_, ...) HIDDEN(OTHER, ROLE_POSES, .poses = word_, __VA_ARGS__)
 #define NO_POSES(why_, ...) HIDDEN(OTHER, ROLE_POSES, .words = why_, __VA_ARGS__)
 #define HIDDEN(id_, roles_, ...)                                                                                       \
     {                                                                                                                  \
@@ -170,13 +171,13 @@ static const struct format formats[] = {
     TOLD("an MRtrix image", FOREIGN " (mrconvert)", MAGIC("mrtrix image")),
     TOLD("a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)", MAGIC("CDF\1")),
     TOLD("a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)", MAGIC("CDF\2")),
-    HIDDEN(MATLAB, ROLE_POSES, .is = is_matlab),
+    HIDDEN(MATLAB, ROLE_POSES, .poses = "simnibs", .is = is_matlab),
     TOLD("a MATLAB file of version 7.3", FOREIGN, MAGIC("MATLAB 7.3")),
     HIDDEN(ZARR, ROLE_VOLUME, .is_folder = true, .is = is_zarr),
     HIDDEN(BRIK, ROLE_VOLUME, NAMED(".BRIK")),
     HIDDEN(IMG, ROLE_VOLUME, NAMED(".img"), .is = is_image_half),
     KNOWN(HDF5, ROLE_VOLUME | ROLE_TRANSFORM | ROLE_REGION | ROLE_POSES, "an HDF5 file (a MINC-2 volume, say)",
-          "give a volume as ATLAS, --pathway or --context", .has = hdf5_is),
+          "give a volume as ATLAS, --pathway or --context", .has = hdf5_is, .poses = "nwb"),
     HIDDEN(TT, ROLE_TRACTS, .has = tt_is),
     HIDDEN(TRX, ROLE_TRACTS, .is_folder = true, .is = has_trx_header),
     HIDDEN(TRX, ROLE_TRACTS, .has = zip_is), /* other archives, too */
@@ -297,13 +298,13 @@ static const struct format formats[] = {
         MAGIC("acqApLfSy=")),
     NO_POSES("a layout of a probe's channels (.prb) says where they are on it, and not where it lies",
              MAGIC("channel_groups")),
-    HIDDEN(BRAINSIGHT, ROLE_POSES,
-           .lines = "# Coordinate system:/# Target Name/# Sample Name/# Electrode Name/#Target Name/#Sample Name/"
-                    "#Electrode Name"),
-    HIDDEN(INVESALIUS, ROLE_POSES, .lines = "##INVESALIUS3_MARKER_FILE_"),
-    HIDDEN(LOCALITE, ROLE_POSES, .lines = "<"),
-    HIDDEN(MARKUPS, ROLE_POSES,
-           .lines = "{/# Markups fiducial file/# Fiducial List file/# columns = id,x,y,z/# columns = label,x,y,z"),
+    POSES("brainsight",
+          .lines = "# Coordinate system:/# Target Name/# Sample Name/# Electrode Name/#Target Name/#Sample Name/"
+                   "#Electrode Name"),
+    POSES("invesalius", .lines = "##INVESALIUS3_MARKER_FILE_"),
+    POSES("localite", .lines = "<"),
+    POSES("markups",
+          .lines = "{/# Markups fiducial file/# Fiducial List file/# columns = id,x,y,z/# columns = label,x,y,z"),
     HIDDEN(MATRIX, ROLE_TRANSFORM, .has = matrix_is, .is = is_text),
     HIDDEN(ITK, ROLE_TRANSFORM, .has = itk_is, .is = is_text),
     HIDDEN(XFM, ROLE_TRANSFORM, .has = xfm_is, .is = is_text),

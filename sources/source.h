@@ -16,19 +16,11 @@
 
 enum { HEAD_SIZE = 1 << 16 }; /**< Bytes that format_find() wants to see, if there are as many. */
 
+#define FORMAT_OF_VOLUME(id, name, endings) FORMAT_##id,
 /** Formats that readers are chosen by. */
 enum format_id {
-    FORMAT_OTHER, /**< Of which no reader asks. */
-    FORMAT_NIFTI,
-    FORMAT_MGH,
-    FORMAT_NRRD,
-    FORMAT_METAIMAGE,
-    FORMAT_AFNI, /**< The .HEAD, */
-    FORMAT_BRIK, /**< and the voxels, which were named instead. */
-    FORMAT_IMG,  /**< The voxels of a pair of NIfTI. */
-    FORMAT_TIFF,
-    FORMAT_ZARR,
-    FORMAT_HDF5, /**< MINC 2, transforms of ITK and X5, SimNIBS, NWB. */
+    FORMAT_OTHER,                      /**< Of which no reader asks. */
+    VOLUME_FORMATS(FORMAT_OF_VOLUME, ) /**< FORMAT_NIFTI, ...; FORMAT_HDF5 is also that of other things. */
     FORMAT_MATLAB,
     FORMAT_CIFTI,
     FORMAT_GIFTI,
@@ -52,11 +44,7 @@ enum format_id {
     FORMAT_LTA,
     FORMAT_REGISTER,  /**< FreeSurfer's register.dat. */
     FORMAT_ATLAS_XML, /**< FSL's or SPM's. */
-    FORMAT_MANIFEST,  /**< JSON with the key "conus_atlas". */
-    FORMAT_BRAINSIGHT,
-    FORMAT_LOCALITE,
-    FORMAT_MARKUPS, /**< Slicer's, or another program's JSON of poses. */
-    FORMAT_INVESALIUS
+    FORMAT_MANIFEST   /**< JSON with the key "conus_atlas". */
 };
 
 /** The first bytes of a file, unpacked, and what the rows ask of them. */
@@ -85,6 +73,7 @@ struct format {
     bool is_folder;    /**< A folder, not a file. */
     bool is_hidden;    /**< It counts only for who asks for one of its roles: others would take anything for it. */
     const char *words; /**< "a TrackVis tractogram". */
+    const char *poses; /**< The word of the format of poses (poses/rows/pose_row.h) that it is; NULL: of none. */
     const char *way;   /**< Advice, or NULL: "give it as --labels". */
     enum certainty certainty;
     struct {

@@ -59,8 +59,8 @@ static void load_cifti(struct load *load, const char *path)
 enum { JSON_LIMIT = 64 << 20 };
 
 static const char atlas_needed[] =
-    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, OME-Zarr), a surface, a folder of surfaces, a "
-    "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
+    "a labelled volume (" VOLUME_NAMES ", OME-Zarr), a surface, a folder of surfaces, a manifest (with the key "
+    "\"conus_atlas\") or an FSL atlas XML";
 
 static void report_only_file(struct load *load, const char *path)
 {

@@ -83,8 +83,7 @@ static void move_by(struct loading *loading, const struct scene_item *item)
 /* Reads a parcellation, without the notes that have been made of it before. */
 static void load_parcellation(const struct loading *loading, struct parcellation *part, const struct scene_item *item)
 {
-    static const char needed[] = "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr) or an "
-                                 "FSL atlas XML of type Label";
+    static const char needed[] = "a labelled volume (" VOLUME_NAMES " or OME-Zarr) or an FSL atlas XML of type Label";
     struct load *load = loading->load;
     struct job *job = loading->job;
     conus_load_options options = *load->options;

@@ -96,4 +96,4 @@ static void mgh_open(struct job *job, struct volume_input *v)
     read_placement(job, &v->header, data);
 }
 
-const struct volume_reader mgh_reader = {FORMAT_MGH, .is_partial = true, .open = mgh_open};
+const struct volume_reader mgh_reader = {.is_partial = true, .open = mgh_open};

@@ -256,4 +256,4 @@ static void minc_open(struct job *job, struct volume_input *v)
     minc_from_hdf5(job, v, hdf5);
 }
 
-const struct volume_reader minc_reader = {FORMAT_HDF5, .is_whole = true, .open = minc_open};
+const struct volume_reader minc_reader = {.is_whole = true, .open = minc_open};

@@ -475,6 +475,5 @@ static void image_open(struct job *job, struct volume_input *v)
     }
 }
 
-const struct volume_reader nifti_reader = {FORMAT_NIFTI, .is_partial = true, .open = nifti_open,
-                                           .around = nifti_around};
-const struct volume_reader nifti_image_reader = {FORMAT_IMG, .open = image_open, .around = nifti_around};
+const struct volume_reader nifti_reader = {.is_partial = true, .open = nifti_open, .around = nifti_around};
+const struct volume_reader nifti_image_reader = {.open = image_open, .around = nifti_around};

@@ -6,18 +6,8 @@
 #include "loaders/refuse.h"
 #include "loaders/volumes/parts.h"
 
-static const struct volume_reader *const readers[] = {&nifti_reader, &nifti_image_reader, &mgh_reader,  &nrrd_reader,
-                                                      &afni_reader,  &afni_brik_reader,   &tiff_reader, &minc_reader,
-                                                      &zarr_reader,  &metaimage_reader};
-
-static const struct volume_reader *find_reader(const struct format *format)
-{
-    size_t i = 0;
-    while (format && readers[i]->id != format->id) { /* each row with ROLE_VOLUME has one */
-        i++;
-    }
-    return format ? readers[i] : NULL;
-}
+#define READER_OF(id, name, endings) [FORMAT_##id] = &name##_reader,
+static const struct volume_reader *const readers[] = {VOLUME_FORMATS(READER_OF, )};
 
 /* What is not read in pieces is held as a whole. */
 static void check_size(struct job *job, const struct volume_input *v)
@@ -48,7 +38,8 @@ static void open_input(struct job *job, struct volume_input *v, const struct vol
     if (!job_ok(job)) {
         return;
     }
-    v->reader = find_reader(format);
+    v->format = format ? format->id : FORMAT_OTHER;
+    v->reader = readers[v->format];
     source_keys_refuse(job, &v->keys, (v->reader ? v->reader->keys : 0) | KEY_BIT(KEY_VOLUME));
     if (!v->reader || (wish->is_peek && v->reader->is_whole)) {
         source_refuse(job, v->source, v->needed);
@@ -86,7 +77,7 @@ static void read_keys(struct job *job, struct volume_input *v, const char *given
 
 struct volume_input *volume_open(struct job *job, const char *given, const struct volume_wish *wish)
 {
-    static const char volume[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr)";
+    static const char volume[] = "a volume (" VOLUME_NAMES " or OME-Zarr)";
     struct volume_input *v = job_new(job, struct volume_input);
     if (!v) {
         return NULL;

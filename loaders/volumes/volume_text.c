@@ -293,7 +293,5 @@ static void brik_open(struct job *job, struct volume_input *v)
     }
 }
 
-const struct volume_reader nrrd_reader = {FORMAT_NRRD, .open = nrrd_open},
-                           metaimage_reader = {FORMAT_METAIMAGE, .open = metaimage_open},
-                           afni_reader = {FORMAT_AFNI, .open = afni_open},
-                           afni_brik_reader = {FORMAT_BRIK, .open = brik_open};
+const struct volume_reader nrrd_reader = {.open = nrrd_open}, metaimage_reader = {.open = metaimage_open},
+                           afni_reader = {.open = afni_open}, afni_brik_reader = {.open = brik_open};

@@ -118,5 +118,5 @@ static void tiff_open(struct job *job, struct volume_input *v)
     }
 }
 
-const struct volume_reader tiff_reader = {FORMAT_TIFF, KEY_BIT(KEY_RESOLUTION) | KEY_BIT(KEY_ORIENTATION),
-                                          .is_whole = true, .open = tiff_open};
+const struct volume_reader tiff_reader = {KEY_BIT(KEY_RESOLUTION) | KEY_BIT(KEY_ORIENTATION), .is_whole = true,
+                                          .open = tiff_open};

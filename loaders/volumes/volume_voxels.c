@@ -91,7 +91,7 @@ static void note_rest(const struct run_reading *r, uint64_t extra, size_t junk)
     const struct volume_input *v = r->v;
     const size_t flag = v->header.header_size; /* whether extensions follow the header */
     const struct text head = v->source->head.bytes;
-    if (extra >= NIFTI_EXTENSION_LEAST && v->reader->id == FORMAT_NIFTI && !v->header.pair && head.size > flag &&
+    if (extra >= NIFTI_EXTENSION_LEAST && v->format == FORMAT_NIFTI && !v->header.pair && head.size > flag &&
         head.data[flag] && v->header.offset < flag + 4 + NIFTI_EXTENSION_LEAST) {
         job_bad(r->job,
                 "vox_offset: found %llu, but an extension begins there, as byte %zu says, and %llu bytes stand after "

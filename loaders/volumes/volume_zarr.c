@@ -237,6 +237,5 @@ static void zarr_open(struct job *job, struct volume_input *v)
     }
 }
 
-const struct volume_reader zarr_reader = {FORMAT_ZARR,
-                                          KEY_BIT(KEY_RESOLUTION) | KEY_BIT(KEY_ORIENTATION) | KEY_BIT(KEY_LEVEL),
+const struct volume_reader zarr_reader = {KEY_BIT(KEY_RESOLUTION) | KEY_BIT(KEY_ORIENTATION) | KEY_BIT(KEY_LEVEL),
                                           .is_whole = true, .open = zarr_open};

@@ -100,7 +100,6 @@ struct volume_extension {
 
 /** A format. */
 struct volume_reader {
-    enum format_id id;
     uint64_t keys;   /**< KEY_BIT() of those it takes besides volume. */
     bool is_whole;   /**< Its header takes more than the first bytes of the file. */
     bool is_partial; /**< A large file that is not packed is read in pieces, however large it is. */
@@ -109,18 +108,19 @@ struct volume_reader {
     /** Takes texts that may name labels, once the volume is chosen; NULL: open() has. */
     void (*around)(struct job *job, struct volume_input *v);
 };
-extern const struct volume_reader nifti_reader, nifti_image_reader, mgh_reader, nrrd_reader, metaimage_reader,
-    afni_reader, afni_brik_reader, tiff_reader, minc_reader, zarr_reader;
+#define VOLUME_READER(id, name, endings) extern const struct volume_reader name##_reader;
+VOLUME_FORMATS(VOLUME_READER, )
 
 struct volume_input {
-    const struct volume_reader *reader;
-    struct source_keys keys;          /**< Whose path is the one that was given. */
-    struct brainglobe_metadata place; /**< resolution and orientation, as far as they are given. */
-    const struct source *source;      /**< Of that path; NULL: a folder. */
-    const struct source *other;       /**< The other half that has the header; NULL: `source` has. */
-    const struct source *voxels;      /**< The file of the voxels. */
-    const char *path;                 /**< The volume's in results: that of the voxels, or of a header of text. */
-    struct volume_header header;      /**< info.sha256 is set once the voxels were read. */
+    enum format_id format;              /**< FORMAT_OTHER: of none, */
+    const struct volume_reader *reader; /**< then NULL. */
+    struct source_keys keys;            /**< Whose path is the one that was given. */
+    struct brainglobe_metadata place;   /**< resolution and orientation, as far as they are given. */
+    const struct source *source;        /**< Of that path; NULL: a folder. */
+    const struct source *other;         /**< The other half that has the header; NULL: `source` has. */
+    const struct source *voxels;        /**< The file of the voxels. */
+    const char *path;                   /**< The volume's in results: that of the voxels, or of a header of text. */
+    struct volume_header header;        /**< info.sha256 is set once the voxels were read. */
     struct voxel_run run;
     uint64_t scratch;     /**< Bytes that reading takes beyond the voxels that are wanted. */
     const char *encoding; /**< ", gzip": how the voxels are stored; "" = as they are. */

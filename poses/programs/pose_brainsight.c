@@ -169,7 +169,7 @@ static void read_row(struct reading *reading, struct text line)
     }
     if (reading->counting) {
         struct text field;
-        for (bool more = true; text_field(&line, '\t', &more, &field);) {
+        for (bool more = memchr(line.data, ',', line.size); text_field(&line, '\t', &more, &field);) {
             table_add_comma(&reading->cells.table, field);
         }
         reading->rows[reading->kind]++;
@@ -205,6 +205,7 @@ static void read_lines(struct reading *reading, struct text text)
     job_out(reading->job, mark);
 }
 
+/* Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
 void pose_brainsight_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to, .counting = true};

@@ -183,6 +183,7 @@ static void point_along_shafts(struct reading *reading)
     }
 }
 
+/* Electrodes of BIDS, *_electrodes.tsv, in units of list->space: points, or poses along their shafts. */
 void pose_electrodes_parse(struct pose_reading *to, struct text text)
 {
     conus_pose_list *list = to->list;

@@ -99,6 +99,8 @@ static void read_channels(struct reading *reading, json_t *root)
     }
 }
 
+/* The International Brain Laboratory's xyz_picks.json, points, or channel_locations.json, channels: micrometres ML,
+ * AP, DV from bregma, to the right, anterior, dorsal. They need a frame in CCF or from bregma. */
 void pose_ibl_parse(struct pose_reading *to, struct text text)
 {
     struct job *job = to->job;

@@ -110,6 +110,7 @@ static void read_row(struct reading *reading, struct text line, size_t number)
     }
 }
 
+/* InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
 void pose_invesalius_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to, .cells = {.names = names, .count = COLUMNS}};

@@ -308,6 +308,8 @@ static void parse_layout(const struct pose_reading *to, const struct layout *lay
     to->list->is_cap = layout->flags & IS_CAP;
 }
 
+/* Points of programs whose lists have their columns in known places (pose_lists.c), FreeSurfer's and caps among them.
+ * A list that is known, but holds no positions of a brain, is refused. */
 void pose_lists_parse(struct pose_reading *to, struct text text)
 {
     struct text begin = pose_brackets_behind_comments(text);

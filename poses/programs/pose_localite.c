@@ -149,6 +149,7 @@ static conus_status on_end(void *user, const struct xml_event *event)
     return reading->job->status;
 }
 
+/* Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 void pose_localite_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to};

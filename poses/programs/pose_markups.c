@@ -131,6 +131,7 @@ enum pose_format pose_json_find(struct pose_reading *to, struct text text)
     return is_ibl ? POSE_FORMAT_IBL : is_list ? POSE_FORMAT_LIST : POSE_FORMAT_MARKUPS;
 }
 
+/* 3D Slicer's markups: .mrk.json, lines and points, or .fcsv, points. */
 void pose_markups_parse(struct pose_reading *to, struct text text)
 {
     if (text.size && text.data[0] == '#') {

@@ -185,6 +185,8 @@ static void read_header(struct reading *reading, struct text line)
     }
 }
 
+/* The *_markers.tsv of the proposal NIBS-BIDS (BEP037), in units of list->space: poses, or points where there is only
+ * a target. */
 void pose_nibs_parse(struct pose_reading *to, struct text text)
 {
     const struct pose_space *space = &to->list->space;

@@ -224,6 +224,8 @@ void pose_nwb_from_hdf5(const struct pose_reading *to, const struct hdf5 *hdf5)
     }
 }
 
+/* The electrodes of NWB, in HDF5: points, in a frame in CCF or from bregma. text is no longer than pose_memory().
+ */
 void pose_nwb_parse(struct pose_reading *to, struct text text)
 {
     static const char *const wanted[] = {TABLE,

@@ -12,18 +12,17 @@
 #include "conus/pose.h"
 #include "poses/rows/pose_row.h"
 
-/** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
-void pose_brainsight_parse(struct pose_reading *to, struct text text);
+/** The parsers of the formats that are read whole: void pose_NAME_parse(struct pose_reading *to, struct text text). */
+#define READ_BY_LINES(id, word)
+#define READ_WHOLE(id, word, parse) void parse(struct pose_reading *to, struct text text);
+POSE_FORMAT_ROWS(READ_BY_LINES, READ_WHOLE)
+#undef READ_BY_LINES
+#undef READ_WHOLE
 
-/** Electrodes of BIDS, *_electrodes.tsv, in units of list->space: points, or poses along their shafts. */
-void pose_electrodes_parse(struct pose_reading *to, struct text text);
-/** Whether @p line is the header of such a table, @p with_two of one with columns of MNI beside x y z. */
+/** Whether @p line is the header of a table of electrodes of BIDS, @p with_two of one with columns of MNI beside x y z.
+ */
 bool pose_electrodes_header(struct text line, bool with_two);
-
-/** The *_markers.tsv of the proposal NIBS-BIDS (BEP037), in units of list->space: poses, or points where there is only
- * a target. */
-void pose_nibs_parse(struct pose_reading *to, struct text text);
-/** Whether @p line is the header of such a table. */
+/** Whether @p line is the header of the *_markers.tsv of NIBS-BIDS. */
 bool pose_nibs_header(struct text line);
 
 /** The space that a *_coordsystem.json of BIDS names: that of the first of the @p modalities that it has, "iEEG/EEG",
@@ -40,27 +39,14 @@ bool pose_coordsystem_hear(struct job *job, conus_pose_list *list, const char *p
  * one. Of a file that says nothing itself it is that, by which no position is moved. @p path NULL: none. */
 void pose_coordsystem_hear_name(struct job *job, conus_pose_list *list, const char *path);
 
-/** The International Brain Laboratory's xyz_picks.json, points, or channel_locations.json, channels: micrometres ML,
- * AP, DV from bregma, to the right, anterior, dorsal. They need a frame in CCF or from bregma. */
-void pose_ibl_parse(struct pose_reading *to, struct text text);
 /** Whether @p root is such JSON: it has the key xyz_picks, or channel_N of any number. */
 bool pose_ibl_is(json_t *root);
 /** Which program's JSON @p text is, by its keys; a failure where it is none of poses. */
 enum pose_format pose_json_find(struct pose_reading *to, struct text text);
 
-/** InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
-void pose_invesalius_parse(struct pose_reading *to, struct text text);
-
-/** The contacts of Lead-DBS's reconstruction, ea_reconstruction.mat or *_desc-reconstruction.mat, as points in MNI
- * space, or in the patient's own where it has no other or the options say lead-dbs-native. @p text is no longer than
- * pose_memory(). */
-void pose_lead_dbs_parse(struct pose_reading *to, struct text text);
 /** Whether this MAT-file is such a reconstruction. */
 bool pose_lead_dbs_is(struct pose_reading *to, struct text text);
 
-/** Points of programs whose lists have their columns in known places (pose_lists.c), FreeSurfer's and caps among them.
- * A list that is known, but holds no positions of a brain, is refused. */
-void pose_lists_parse(struct pose_reading *to, struct text text);
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
 bool pose_lists_know(struct text head, const char *path);
 
@@ -78,17 +64,9 @@ struct text pose_brackets_behind_comments(struct text text);
 enum pose_brackets { BRACKETS_NONE, BRACKETS_FREEVIEW, BRACKETS_NAMES };
 enum pose_brackets pose_brackets_json(json_t *root);
 
-/** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
-void pose_localite_parse(struct pose_reading *to, struct text text);
-
-/** The electrodes of NWB, in HDF5: points, in a frame in CCF or from bregma. @p text is no longer than pose_memory().
- */
-void pose_nwb_parse(struct pose_reading *to, struct text text);
 /** The same of the columns of electrodes in @p hdf5. */
 void pose_nwb_from_hdf5(const struct pose_reading *to, const struct hdf5 *hdf5);
 
-/** 3D Slicer's markups: .mrk.json, lines and points, or .fcsv, points. */
-void pose_markups_parse(struct pose_reading *to, struct text text);
 /** The points of an .fcsv, named by their labels; of Slicer 3 (label,x,y,z,sel,vis) and since 4 (id,x,y,z, …, label,
  * …). */
 void pose_fcsv_parse(struct pose_reading *to, struct text text);
@@ -97,10 +75,6 @@ void pose_fcsv_parse(struct pose_reading *to, struct text text);
  * parsed once. */
 const struct matlab *pose_matlab(struct pose_reading *to, struct text text);
 json_t *pose_json(struct pose_reading *to, struct text text);
-
-/** SimNIBS's matsimnibs: in a MAT-file of a SESSION, a TMSLIST or a POSITION, or as a text of 16 numbers each. @p text
- * is no longer than pose_memory(). */
-void pose_simnibs_parse(struct pose_reading *to, struct text text);
 
 /** Whether @p text is of a recording: SpikeGLX's .ap.meta or .imro, or XML. */
 bool probe_recording_is(struct text text);

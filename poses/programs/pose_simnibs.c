@@ -130,6 +130,8 @@ static void parse_text(const struct reading *reading, struct text text)
     }
 }
 
+/* SimNIBS's matsimnibs: in a MAT-file of a SESSION, a TMSLIST or a POSITION, or as a text of 16 numbers each. text
+ * is no longer than pose_memory(). */
 void pose_simnibs_parse(struct pose_reading *to, struct text text)
 {
     struct reading reading = {.job = to->job, .to = to};

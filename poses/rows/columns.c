@@ -1783,9 +1783,10 @@ static void count_cell(struct head *head, size_t column, struct text cell)
     cells->longs += is_number && head->options->longest > 0 && value > head->options->longest &&
                     value <= 1000 * head->options->longest;
     if (!is_number) {
-        cells->strong += space_words_hear_cell(&said, cell, true) || is_place;
-        cells->spaces += space_words_hear_cell(&said, cell, false) || is_place;
+        bool is_space = space_words_hear_cell(&said, cell, false); /* also where it is so strongly */
         cells->voxels += said.why == space_why_voxels;
+        cells->strong += (is_space && space_words_hear_cell(&said, cell, true)) || is_place;
+        cells->spaces += is_space || is_place;
         cells->units += space_unit_mm(cell) != 0;
         cells->sides += sides_of_name(cell) != 0;
         cells->middles += text_is_one_of(cell, middles, false);

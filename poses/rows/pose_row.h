@@ -25,25 +25,28 @@ struct kept_text {
 /** Writes it, with single marks and no zero behind it, up to @p most bytes; how many these are. */
 size_t kept_text_put(char *out, size_t most, const struct kept_text *kept);
 
-/** The formats of files of poses: their words are those of conus_pose_options.format. */
-enum pose_format {
-    POSE_FORMAT_AUTO = 0, /**< The content decides. */
-    POSE_FORMAT_TABLE,
-    POSE_FORMAT_MATRIX,
-    POSE_FORMAT_POINTS,
-    POSE_FORMAT_BRAINSIGHT,
-    POSE_FORMAT_LOCALITE,
-    POSE_FORMAT_ELECTRODES,
-    POSE_FORMAT_MARKUPS,
-    POSE_FORMAT_SIMNIBS,
-    POSE_FORMAT_NIBS,
-    POSE_FORMAT_INVESALIUS,
-    POSE_FORMAT_LEAD_DBS,
-    POSE_FORMAT_LEAD_DBS_NATIVE,
-    POSE_FORMAT_IBL,
-    POSE_FORMAT_NWB,
-    POSE_FORMAT_LIST
-};
+/** The formats of files of poses, with their words for conus_pose_options.format and, of those whose text is read as a
+ * whole, the parser (pose_programs.h). Of AUTO the content decides; a row of sources/rows.c may say so. */
+#define POSE_FORMAT_ROWS(LINES, WHOLE)                                                                                 \
+    LINES(AUTO, "auto")                                                                                                \
+    LINES(TABLE, "table")                                                                                              \
+    WHOLE(MATRIX, "matrix", pose_matrix_parse)                                                                         \
+    LINES(POINTS, "points")                                                                                            \
+    WHOLE(BRAINSIGHT, "brainsight", pose_brainsight_parse)                                                             \
+    WHOLE(LOCALITE, "localite", pose_localite_parse)                                                                   \
+    WHOLE(ELECTRODES, "electrodes", pose_electrodes_parse)                                                             \
+    WHOLE(MARKUPS, "markups", pose_markups_parse)                                                                      \
+    WHOLE(SIMNIBS, "simnibs", pose_simnibs_parse)                                                                      \
+    WHOLE(NIBS, "nibs", pose_nibs_parse)                                                                               \
+    WHOLE(INVESALIUS, "invesalius", pose_invesalius_parse)                                                             \
+    WHOLE(LEAD_DBS, "lead-dbs", pose_lead_dbs_parse)                                                                   \
+    WHOLE(LEAD_DBS_NATIVE, "lead-dbs-native", pose_lead_dbs_parse)                                                     \
+    WHOLE(IBL, "ibl", pose_ibl_parse)                                                                                  \
+    WHOLE(NWB, "nwb", pose_nwb_parse)                                                                                  \
+    WHOLE(LIST, "list", pose_lists_parse)
+
+#define POSE_FORMAT_ID(id, ...) POSE_FORMAT_##id,
+enum pose_format { POSE_FORMAT_ROWS(POSE_FORMAT_ID, POSE_FORMAT_ID) };
 
 /** The formats of a text of poses, for messages. */
 #define POSE_FORMATS                                                                                                   \

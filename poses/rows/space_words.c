@@ -201,7 +201,7 @@ static size_t token_phrase(const struct sentence *sentence, size_t index, const 
     size_t found = 0;
     for (bool more = true; !found && text_field(&rest, '/', &more, &phrase);) {
         size_t count = 0;
-        bool fits = true;
+        bool fits = index < sentence->count && (*phrase.data | 0x20) == (*sentence->tokens[index].data | 0x20);
         while (fits && text_word(&phrase, &word)) {
             const size_t at = index + count++;
             fits = at < sentence->count && word.size == sentence->tokens[at].size &&

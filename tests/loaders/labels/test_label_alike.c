@@ -28,6 +28,7 @@ static void names_are_cut_into_words(void **state)
     } names[] = {
         {"atl-Anatom", "Anatom"},
         {"atl-Anatom_space-MNI_dseg", "Anatom"},
+        {"atl-Anatom_Space-MNI_RES-2_dseg", "Anatom"},
         {"labels_X", "X"},
         {"JulichBrainAtlas31_LH", "Julich Brain 31"},
         {"AAL3v1_2mm", "AAL 3 v 1"},

@@ -235,6 +235,22 @@ static void bad_headers_say_what_is_wrong(void **state)
     }
 }
 
+static void headers_that_end_early_say_where(void **state)
+{
+    (void)state;
+    static const uint8_t sizes[2][4] = {{0x5c, 1}, {0x1c, 2}}; /* 348, 540 */
+    for (size_t i = 0; i < 2; i++) {
+        uint8_t data[539] = {0};
+        struct job job = {0};
+        struct field_header header;
+        memcpy(data, sizes[i], 4);
+        field_header_parse(&job, &header, (struct text){(const char *)data, i ? 539 : 347});
+        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+        assert_non_null(
+            strstr(conus_message(), i ? "found 539 bytes, 540 are needed" : "found 347 bytes, 348 are needed"));
+    }
+}
+
 static void no_prefix_is_a_field(void **state)
 {
     (void)state;
@@ -685,6 +701,7 @@ TEST_GROUP(field)
         cmocka_unit_test(both_headers_and_byte_orders_are_read),
         cmocka_unit_test(headers_say_whose_field_it_is),
         cmocka_unit_test(bad_headers_say_what_is_wrong),
+        cmocka_unit_test(headers_that_end_early_say_where),
         cmocka_unit_test(no_prefix_is_a_field),
         cmocka_unit_test(an_atlas_goes_where_the_field_has_it),
         cmocka_unit_test(the_axes_of_vectors_are_stated),
