@@ -3,7 +3,6 @@
  * context's colours, and what each atlas shows. */
 #include "viewer/session/session.h"
 
-#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -369,11 +368,7 @@ static void put_session(struct window *window, struct session *session, const js
             property_put(window, &properties[i], session->values[i]);
         }
     }
-    const conus_drawn_point *chosen = points_chosen(viewer); /* the list may have changed */
-    const double *at = viewer->tools[FIRST_TOOL].pose.world_from_device + 12;
-    double off[3];
-    vec3_sub(off, chosen ? chosen->at : at, at);
-    viewer->chosen_point *= viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY && chosen && vec3_length(off) < 1e-3;
+    points_check(viewer);
     put_head(&viewer->head, session->values);
     devices_set_speed(&window->inputs.devices, session->values[PROPERTY_SPEED][0]);
     viewer->list.columns = session->columns;
