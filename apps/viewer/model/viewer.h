@@ -239,8 +239,6 @@ void times_start(struct times *times, double started);
 void times_add(struct times *times, enum timed kind, double milliseconds);
 /** A frame begins now. */
 void times_begin_frame(struct times *times);
-/** The window sleeps: the next frame does not follow from the one before. */
-void times_pause(struct times *times);
 
 /** Writes count, median, 90th percentile and maximum of each since the last time, as JSON, and starts anew; with
  * how long that was, and the processor time that the program took meanwhile. */

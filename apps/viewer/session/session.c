@@ -146,14 +146,6 @@ json_t *session_json(const struct window *window)
     return root;
 }
 
-char *session_text(const struct window *window)
-{
-    json_t *root = session_json(window);
-    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
-    json_decref(root);
-    return text;
-}
-
 /* The checks that need more than one row. */
 static bool check_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], char why[PROPERTY_REASON])
 {
@@ -420,23 +412,6 @@ bool session_read(struct window *window, json_t *root, const char *name, char wh
     return read_session(window, root, fault) || session_refuse(why, "%.120s: %s", name, fault);
 }
 
-/* @p name is what errors call it. */
-static json_t *parse(const char *name, const char *text, size_t size, char why[PROPERTY_REASON])
-{
-    json_error_t error;
-    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
-    (void)(root || session_refuse(why, "%s: line %d: %s", name, error.line, error.text));
-    return root;
-}
-
-bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
-{
-    json_t *root = parse("session", text, size, why);
-    bool fine = root && session_read(window, root, "session", why);
-    json_decref(root);
-    return fine;
-}
-
 static json_t *read_file(const char *path, char why[PROPERTY_REASON])
 {
     char *text = NULL;
@@ -444,8 +419,13 @@ static json_t *read_file(const char *path, char why[PROPERTY_REASON])
     messages_hold(true);
     int code = input_file_read(&text, &size, path, INPUT_FILE_OR_PIPE, SESSION_LIMIT);
     messages_hold(false);
-    (void)(!code || session_refuse(why, "%s", error_line()));
-    json_t *root = code ? NULL : parse(path, text, size, why);
+    json_error_t error;
+    json_t *root = code ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    if (code) {
+        session_refuse(why, "%s", error_line());
+    } else if (!root) {
+        session_refuse(why, "%s: line %d: %s", path, error.line, error.text);
+    }
     free(text);
     return root;
 }

@@ -213,7 +213,8 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
     enum tool_number number = tool_moved_by(viewer, POINT_BY_MOUSE);
     conus_pose pose;
     if (number < TOOL_COUNT && !viewer->tools[number].held && point_find(&pose, viewer, eye, direction)) {
-        pushed_put(&inputs->devices.mouse, &pose);
+        inputs->devices.mouse.pose = pose;
+        inputs->devices.mouse.is_new = true;
         move_by_source(inputs, viewer, number, 1e-3 * clock_ms());
         tool_update_second(viewer);
     }
