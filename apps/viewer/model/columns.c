@@ -77,12 +77,7 @@ static const struct column columns[RESULT_COLUMNS] = {
 };
 
 const char *const result_formats[RESULT_FORMATS] = {"TSV", "CSV", "JSON"};
-
-const char *result_ending(size_t format)
-{
-    static const char *const endings[RESULT_FORMATS] = {".tsv", ".csv", ".json"};
-    return endings[format];
-}
+const char *const result_endings[RESULT_FORMATS] = {".tsv", ".csv", ".json"};
 
 const char *result_key(size_t column)
 {
