@@ -58,6 +58,40 @@ bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value
     return snprintf(path, SYSTEM_PATH, "%.*s", (int)length, value) < SYSTEM_PATH;
 }
 
+/* Where ",key" or ",key=TEXT" stands behind the file, and its length; the end where it does not, and 0. */
+static const char *find_key(size_t *size, enum addition kind, const char *value, const char *key)
+{
+    const size_t length = strlen(key);
+    const char *at = value + keys_file_length(value, addition_keys[kind]);
+    while (*at == ',' && (strncmp(at + 1, key, length) != 0 || !strchr(",=", at[1 + length]))) {
+        at += 1 + strcspn(at + 1, ",");
+    }
+    *size = *at ? 1 + strcspn(at + 1, ",") : 0;
+    return at;
+}
+
+bool addition_key(char *out, size_t size, enum addition kind, const char *value, const char *key)
+{
+    size_t length;
+    const char *at = find_key(&length, kind, value, key);
+    const size_t head = strlen(key) + 2;
+    snprintf(out, size, "%.*s", length > head ? (int)(length - head) : 0, at + (length > head ? head : 0));
+    return length;
+}
+
+void addition_put_key(char *value, size_t bytes, enum addition kind, const char *key, const char *text)
+{
+    size_t size;
+    const char *at = find_key(&size, kind, value, key);
+    char *made = NULL;
+    const int length = asprintf(&made, "%.*s%s%s%s%s%s", (int)(at - value), value, text ? "," : "", text ? key : "",
+                                text && *text ? "=" : "", text ? text : "", at + size);
+    if (length >= 0 && (size_t)length < bytes) {
+        memcpy(value, made, (size_t)length + 1);
+    }
+    free(length >= 0 ? made : NULL);
+}
+
 static const char *word_at(const json_t *words, size_t index)
 {
     const char *word = json_string_value(json_array_get(words, index));

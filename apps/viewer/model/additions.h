@@ -30,6 +30,12 @@ enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
 bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value);
 
+/** Whether @p key stands behind the file of @p value, as ",key" or ",key=TEXT"; the text is in @p out, "" of a flag. */
+bool addition_key(char *out, size_t size, enum addition kind, const char *value, const char *key);
+/** Puts it there, a flag where @p text is ""; NULL = takes it out. Of no effect where @p value, of so many bytes, has no
+ * room for it. */
+void addition_put_key(char *value, size_t bytes, enum addition kind, const char *key, const char *text);
+
 /** @p words with one more; a volume takes the place of another one as context, a list that of another list. NULL: no
  * memory, or no UTF-8. */
 json_t *additions_with(const json_t *words, enum addition kind, const char *value);
