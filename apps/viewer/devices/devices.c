@@ -49,8 +49,3 @@ void devices_init(struct devices *out)
     spacemouse_init(&out->spacemouse);
     gamepad_init(&out->gamepad, gamepad_read);
 }
-
-void devices_finish(struct devices *devices)
-{
-    spacemouse_finish(&devices->spacemouse);
-}

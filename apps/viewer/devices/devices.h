@@ -125,7 +125,6 @@ struct devices {
 };
 
 void devices_init(struct devices *out);
-void devices_finish(struct devices *devices);
 /** The speed of SpaceMouse and gamepad, mm and degrees a second, SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED. */
 static inline double devices_speed(const struct devices *devices)
 {

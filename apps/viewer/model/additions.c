@@ -396,26 +396,25 @@ static void match_level(size_t *match, bool *taken, const json_t *then, const js
     }
 }
 
-bool additions_match(size_t *match, const json_t *then, const json_t *now)
+size_t *additions_match(const json_t *then, const json_t *now)
 {
     bool *taken = calloc(json_array_size(now) + 1, sizeof *taken);
-    bool fine = taken;
-    for (size_t i = 0; i < json_array_size(then); i++) {
+    size_t *match = taken ? calloc(json_array_size(then) + 1, sizeof *match) : NULL;
+    for (size_t i = 0; i < json_array_size(then) && match; i++) {
         match[i] = SIZE_MAX;
     }
-    for (int level = 3; level > 0 && fine; level--) {
+    for (int level = 3; level > 0 && match; level--) {
         match_level(match, taken, then, now, level);
     }
     free(taken);
-    return fine;
+    return match;
 }
 
 bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now)
 {
-    size_t count = json_array_size(then);
-    size_t *match = calloc(count + 1, sizeof *match);
+    size_t *match = additions_match(then, now);
     bool differ = false;
-    for (size_t i = 0; match && additions_match(match, then, now) && i < count && !differ; i++) {
+    for (size_t i = 0; match && i < json_array_size(then) && !differ; i++) {
         const json_t *entry = match[i] == SIZE_MAX ? NULL : json_array_get(now, match[i]);
         const char *sum = json_text(json_array_get(then, i), "sha256");
         differ = entry && sum[0] && strcmp(sum, json_text(entry, "sha256")) != 0;

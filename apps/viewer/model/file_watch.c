@@ -38,10 +38,7 @@ static const char *path_of(const conus_atlas *atlas, size_t index)
 static struct state look_at_file(const char *path)
 {
     struct system_stat info;
-    if (!system_stat(&info, path)) {
-        return (struct state){.is_there = false};
-    }
-    return (struct state){.is_there = true, .changed = info.changed, .size = info.size};
+    return system_stat(&info, path) ? (struct state){true, info.changed, info.size} : (struct state){false};
 }
 
 static bool is_same_state(const struct state *a, const struct state *b)

@@ -355,7 +355,7 @@ void window_close(struct window *window)
 {
     pictures_drop(&window->pictures);
     window_history_finish(&window->history);
-    devices_finish(&window->inputs.devices);
+    spacemouse_finish(&window->inputs.devices.spacemouse);
     open_request_finish(&window->files.requested);
     open_request_finish(&window->files.asked);
     free(window->files.session_waits);
