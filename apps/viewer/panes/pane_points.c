@@ -72,20 +72,6 @@ static void draw_anew(struct point_layer *layer, struct window *window, const st
     conus_image_destroy(image);
 }
 
-/* Pixels right and below of a cut's middle, and mm before it. */
-static void put_in_cut(double out[3], const struct pane_plane *plane, const double at[3])
-{
-    double normal[3];
-    double offset[3];
-    float pixel[2];
-    pane_point(pixel, plane, at);
-    pane_normal(normal, plane);
-    vec3_sub(offset, at, plane->view.centre);
-    out[0] = (double)(pixel[0] - plane->box.x - plane->box.width / 2);
-    out[1] = (double)(pixel[1] - plane->box.y - plane->box.height / 2);
-    out[2] = vec3_dot(offset, normal);
-}
-
 /* Where a point is seen, pixels; false where it is not: behind the eye, or too far from the cut. A needle of which the
  * cut has the line alone is where that comes nearest to it, as figures name it there. */
 static bool find_place(float out[2], const struct window *window, const conus_drawn_point *point,
@@ -94,27 +80,33 @@ static bool find_place(float out[2], const struct window *window, const conus_dr
     if (!plane) {
         return window_point(out, window, point->at);
     }
-    const double limits[] = {(double)plane->box.width / 2, (double)plane->box.height / 2,
-                             fmax(point->radius, CONUS_POINT_NEAR_CUT)};
-    double ends[2][3];
+    const conus_cut_view *view = &plane->view;
+    double normal[3];
+    double offset[3];
+    double way[3];
     double span[2] = {0, 1}; /* the part of the line that is shown */
-    put_in_cut(ends[0], plane, point->at);
-    put_in_cut(ends[1], plane, vec3_is_finite(point->end) ? point->end : point->at);
+    double begin = 0;
+    double along = 0;
+    pane_normal(normal, plane);
+    vec3_sub(offset, point->at, view->centre);
+    vec3_sub(way, vec3_is_finite(point->end) ? point->end : point->at, point->at);
+    const double *axes[] = {view->right, view->up, normal};
+    const double limits[] = {view->mm_per_pixel * (double)plane->box.width / 2,
+                             view->mm_per_pixel * (double)plane->box.height / 2,
+                             fmax(point->radius, CONUS_POINT_NEAR_CUT)};
     for (int a = 0; a < 3; a++) {
-        const double way = ends[1][a] - ends[0][a];
-        const double parts[2] = {(-limits[a] - ends[0][a]) / way, (limits[a] - ends[0][a]) / way};
-        if (way != 0) {
-            span[0] = fmax(span[0], fmin(parts[0], parts[1]));
-            span[1] = fmin(span[1], fmax(parts[0], parts[1]));
-        } else if (fabs(ends[0][a]) > limits[a]) {
+        begin = vec3_dot(offset, axes[a]);
+        along = vec3_dot(way, axes[a]);
+        if (along != 0) {
+            span[0] = fmax(span[0], (-copysign(limits[a], along) - begin) / along);
+            span[1] = fmin(span[1], (copysign(limits[a], along) - begin) / along);
+        } else if (fabs(begin) > limits[a]) {
             return false;
         }
     }
-    const double away = ends[0][2] - ends[1][2];
-    const double crossing = away != 0 ? ends[0][2] / away : 0;
-    const double part = span[0] > 0 ? fmin(fmax(crossing, span[0]), span[1]) : 0;
-    out[0] = plane->box.x + plane->box.width / 2 + (float)(ends[0][0] + part * (ends[1][0] - ends[0][0]));
-    out[1] = plane->box.y + plane->box.height / 2 + (float)(ends[0][1] + part * (ends[1][1] - ends[0][1]));
+    const double crossing = along != 0 ? -begin / along : 0; /* of the cut */
+    vec3_add_scaled(way, point->at, span[0] > 0 ? fmin(fmax(crossing, span[0]), span[1]) : 0, way);
+    pane_point(out, plane, way);
     return span[1] > span[0];
 }
 
