@@ -56,17 +56,6 @@ int points_load(struct point_list *out, const char *path, const struct atlases *
     return code;
 }
 
-void points_finish(struct point_list *list)
-{
-    if (list->has_electrodes) {
-        contacts_ungroup(list->points, list->count);
-    }
-    free(list->points);
-    free(list->rows);
-    conus_pose_list_destroy(list->poses);
-    *list = (struct point_list){.number = list->number + 1};
-}
-
 /* Asks at the depths of a row, as conus query has them, of a list whose rows have some: a needle of it ends. Without a
  * row the plan's, or all. In other lists those of the tool stay. False: it was said why not. */
 static bool use_depths(struct viewer *viewer, const conus_pose_row *row)

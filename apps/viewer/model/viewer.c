@@ -5,6 +5,7 @@
 #include "base/look.h"
 #include "base/system/system.h"
 #include "conus/own.h"
+#include "figures/figure.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -84,6 +85,17 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
     *out = viewer;
     return CONUS_OK;
+}
+
+void points_finish(struct point_list *list)
+{
+    if (list->has_electrodes) {
+        contacts_ungroup(list->points, list->count);
+    }
+    free(list->points);
+    free(list->rows);
+    conus_pose_list_destroy(list->poses);
+    *list = (struct point_list){.number = list->number + 1};
 }
 
 void viewer_finish(struct viewer *viewer)
