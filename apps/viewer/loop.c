@@ -212,7 +212,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
     unsigned answer = window->viewer ? window->viewer->tools[FIRST_TOOL].answer_number : 0;
     double seconds = acts ? 0 : idle_s(window, script);
     if (seconds > 0) {
-        times_pause(&window->times);
+        window->times.frame_started = 0; /* the next frame does not follow from the one before */
         glfwWaitEventsTimeout(seconds);
     } else {
         glfwPollEvents();

@@ -172,13 +172,7 @@ static void use_program(const struct mesh_program *program, const struct mesh_la
     glUniform2fv(program->shift, 1, shift);
     glUniform1ui(program->mapped, mapped);
     float ramp[TUBE_RAMP_STEPS + 1][3];
-    for (int step = 0; step <= TUBE_RAMP_STEPS; step++) {
-        uint8_t rgb[3];
-        tube_scalar_colour(rgb, (double)step / TUBE_RAMP_STEPS);
-        for (int c = 0; c < 3; c++) {
-            ramp[step][c] = (float)rgb[c] / 255;
-        }
-    }
+    tube_ramp(ramp);
     glUniform3fv(program->ramp, TUBE_RAMP_STEPS + 1, ramp[0]);
 }
 

@@ -75,6 +75,8 @@ enum {
 
 /** sRGB of @p part, 0 to 1, of the range of a number; grey where it is NaN. */
 void tube_scalar_colour(uint8_t rgb[3], double part);
+/** sRGB, 0 to 1, at each step of it. */
+void tube_ramp(float rgb[TUBE_RAMP_STEPS + 1][3]);
 
 /** The same of a direction, of any length; its sign does not count. Grey where its length is 0. */
 void tube_direction_colour(uint8_t rgb[3], const double direction[3]);

@@ -144,13 +144,7 @@ static bool span_item(struct span *out, struct tube *tube, const struct surface_
 static conus_status make_lists(struct surface_rays *rays)
 {
     const struct tubes *tubes = &rays->tubes;
-    for (int step = 0; step <= TUBE_RAMP_STEPS; step++) {
-        uint8_t rgb[3];
-        tube_scalar_colour(rgb, (double)step / TUBE_RAMP_STEPS);
-        for (int c = 0; c < 3; c++) {
-            rays->ramp[step][c] = (float)rgb[c] / 255;
-        }
-    }
+    tube_ramp(rays->ramp);
     rays->corners = memory_raw(rays->parts.vertex_count, sizeof *rays->corners);
     rays->points = memory_zeroed(tubes->point_count + 1, sizeof *rays->points);
     rays->paints = memory_zeroed(tubes->point_count + 1, sizeof *rays->paints);

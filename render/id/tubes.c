@@ -25,6 +25,13 @@ void tube_scalar_colour(uint8_t rgb[3], double part)
     }
 }
 
+void tube_ramp(float rgb[TUBE_RAMP_STEPS + 1][3])
+{
+    for (int k = 0; k < 3 * (TUBE_RAMP_STEPS + 1); k++) {
+        rgb[k / 3][k % 3] = (float)ramp[k / 3][k % 3] / 255;
+    }
+}
+
 void tube_direction_colour(uint8_t rgb[3], const double direction[3])
 {
     double unit[3];

@@ -286,9 +286,35 @@ static void a_file_is_found_in_a_folder_that_is_no_utf8(void **state)
     json_decref(words);
 }
 
+/* Keys are put behind the file, changed and taken out; a comma in the file's own name is none of theirs. */
+static void keys_stand_behind_the_file(void **state)
+{
+    static const struct {
+        const char *before, *key, *text, *after;
+    } changes[] = {
+        {"b.trk", "radius", "2", "b.trk,radius=2"},
+        {"b.trk,radius=2,moves", "radius", "1.5", "b.trk,radius=1.5,moves"},
+        {"b.trk,radius=2,moves", "radius", NULL, "b.trk,moves"},
+        {"b.trk,radius=2,moves", "moves", NULL, "b.trk,radius=2"},
+        {"b.trk,radius=2", "moves", "", "b.trk,radius=2,moves"},
+        {"b.trk,name=moves,space=lps", "moves", "", "b.trk,name=moves,space=lps,moves"},
+        {"a,name.trk,name=X", "name", "Y", "a,name.trk,name=Y"},
+        {"b.trk", "name", NULL, "b.trk"},
+        {"b.trk,name=A", "name", "a text that the line has no room for", "b.trk,name=A"},
+    };
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        char value[40];
+        (void)state;
+        snprintf(value, sizeof value, "%s", changes[i].before);
+        addition_put_key(value, sizeof value, ADD_STREAMLINES, changes[i].key, changes[i].text);
+        assert_string_equal(value, changes[i].after);
+    }
+}
+
 TEST_GROUP(additions)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(keys_stand_behind_the_file),
         cmocka_unit_test(an_option_is_a_kind_and_a_file),
         cmocka_unit_test(a_volume_takes_the_place_of_another_as_context),
         cmocka_unit_test(a_file_is_found_in_a_folder_that_is_no_utf8),

@@ -7,6 +7,7 @@
 
 #include "conus/own.h"
 #include "selection/table/table.h"
+#include "session_words.h"
 #include "tables.h"
 #include "test.h"
 

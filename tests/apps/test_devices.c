@@ -120,7 +120,7 @@ static void open_window(struct window *out, struct viewer *viewer)
 
 static void close_window(struct window *window)
 {
-    devices_finish(&window->inputs.devices);
+    spacemouse_finish(&window->inputs.devices.spacemouse);
     viewer_finish(window->viewer);
 }
 

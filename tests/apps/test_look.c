@@ -9,6 +9,7 @@
 #include "viewer/window/window.h"
 
 #include "conus/own.h"
+#include "session_words.h"
 #include "test.h"
 
 #include <math.h>

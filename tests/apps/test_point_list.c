@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of points: loaded, chosen from, kept by sessions, in the phantom of balls of 8, 16 and 24 mm around 0. */
+#include "viewer/commands/commands.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/viewer.h"
+#include "viewer/panes/panes.h"
 #include "viewer/session/session.h"
 #include "viewer/tools/tools.h"
 
@@ -182,7 +184,7 @@ static void lists_that_cannot_be_drawn_are_refused(void **state)
     assert_int_not_equal(use_list(&scene, "nonsense"), 0);
     assert_int_equal(scene.viewer.chosen_point, 1); /* the list from before is still there */
     assert_int_equal(use_list(&scene, "name,x,y,z\nC1,0,0,0\n"), 0);
-    assert_int_equal(scene.viewer.points.count, 1);
+    assert_int_equal(scene.viewer.points.count, 1); /* it has another name at the same place */
     assert_null(points_chosen(&scene.viewer));
     viewer_finish(&scene.viewer);
 }
@@ -239,6 +241,93 @@ static void a_needle_of_a_list_ends(void **state)
     viewer_finish(&scene.viewer);
 }
 
+/* A list that is loaded again, as after a file was added, keeps the row where the tool is, with the depths that the
+ * list has now: 36 mm from x = -50 are 2 mm behind where the middle ball begins. A row that has turned, or another one
+ * in its place, is not what was asked, and leaves the mouse without its depths. */
+static void a_row_stays_where_the_list_still_has_it(void **state)
+{
+    static const char kept[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,30\nN2,-50,0,9,1,0,0,36\n";
+    static const struct {
+        const char *text;
+        uint32_t row;
+        double far;
+        size_t hits;
+    } wanted[] = {{kept, 1, 30, 1},
+                  {"name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,36\n", 1, 36, 2},
+                  {"name,x,y,z,dx,dy,dz\nN1,-50,0,0,1,0,0\n", 1, 0, 3},
+                  {"name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,0,1,0,30\n", 0, 0, 3},
+                  {"name,x,y,z,dx,dy,dz,far\nN0,-50,0,9,1,0,0,36\nN1,-50,0,0,1,0,0,30\n", 0, 0, 3},
+                  {"name,x,y,z\nN1,-50,0,0\n", 0, 0, 3}};
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        struct list_scene scene;
+        struct viewer *viewer = &scene.viewer;
+        open_list(&scene);
+        assert_int_equal(use_list(&scene, kept), 0);
+        viewer->cone.options.radius = 1;
+        viewer->cone.options.layers = CONUS_LAYERS_ALL;
+        points_choose(viewer, 1);
+        viewer_cross(viewer, (double[]){1, 2, 3});
+        assert_int_equal(use_list(&scene, wanted[i].text), 0);
+        assert_int_equal(viewer->chosen_point, wanted[i].row);
+        assert_int_equal(viewer->tools[FIRST_TOOL].pointer, wanted[i].row ? POINT_BY_REPLAY : POINT_BY_MOUSE);
+        assert_near(viewer->cone.options.range[1], wanted[i].far, 0);
+        assert_int_equal(count_hits(viewer), wanted[i].hits);
+        assert_near(viewer->crosshair[2], 3, 0);
+        viewer_finish(viewer);
+    }
+    (void)state;
+}
+
+/* A needle from x = -50 to 10 along the x axis. Sagittal cuts show its line alone: where it crosses them, and up to 2
+ * mm before its tip; the axial cut of 40 mm around 0 has it from its left edge on. */
+static void a_needle_is_chosen_by_its_line(void **state)
+{
+    static const char text[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,60\nN2,-50,40,40,1,0,0,60\n";
+    static const struct {
+        double centre[3], right[3], up[3], mm_per_pixel;
+        float at[2];
+        uint32_t row;
+    } clicks[] = {{{-10, 0, 0}, {0, -1, 0}, {0, 0, 1}, 0.5, {203, 146}, 1},
+                  {{-10, 0, 0}, {0, -1, 0}, {0, 0, 1}, 0.5, {220, 150}, 0},
+                  {{-10, 0, 0}, {0, -1, 0}, {0, 0, 1}, 0.5, {120, 70}, 2},
+                  {{11.5, 0, 0}, {0, -1, 0}, {0, 0, 1}, 0.5, {200, 150}, 1},
+                  {{12.5, 0, 0}, {0, -1, 0}, {0, 0, 1}, 0.5, {200, 150}, 0},
+                  {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.2, {102, 150}, 1},
+                  {{0, 0, 2.5}, {1, 0, 0}, {0, 1, 0}, 0.2, {102, 150}, 0}};
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    scene.window.screen.scale = 1;
+    assert_int_equal(use_list(&scene, text), 0);
+    for (size_t i = 0; i < sizeof clicks / sizeof *clicks; i++) {
+        struct pane_plane plane = {.box = {100, 50, 200, 200}, .view.mm_per_pixel = clicks[i].mm_per_pixel};
+        memcpy(plane.view.centre, clicks[i].centre, sizeof plane.view.centre);
+        memcpy(plane.view.right, clicks[i].right, sizeof plane.view.right);
+        memcpy(plane.view.up, clicks[i].up, sizeof plane.view.up);
+        points_choose(&scene.viewer, 0);
+        assert_int_equal(pane_points_choose(&scene.window, clicks[i].at, &plane), clicks[i].row > 0);
+        assert_int_equal(scene.viewer.chosen_point, clicks[i].row);
+    }
+    viewer_finish(&scene.viewer);
+}
+
+static void escape_leaves_the_row_and_its_depths(void **state)
+{
+    static const char text[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,30\n";
+    struct list_scene scene;
+    (void)state;
+    open_list(&scene);
+    assert_int_equal(use_list(&scene, text), 0);
+    points_choose(&scene.viewer, 1);
+    scene.window.press = keys_press;
+    assert_true(window_press(&scene.window, "escape"));
+    assert_int_equal(scene.viewer.chosen_point, 0);
+    assert_int_equal(scene.viewer.tools[FIRST_TOOL].pointer, POINT_BY_MOUSE);
+    assert_false(scene.viewer.tools[FIRST_TOOL].has_pose);
+    assert_near(scene.viewer.cone.options.range[1], 0, 0);
+    viewer_finish(&scene.viewer);
+}
+
 /* Undo goes from row to row, each with its own depth, and back to a mouse that has none. */
 static void undo_goes_from_needle_to_needle(void **state)
 {
@@ -279,6 +368,9 @@ TEST_GROUP(point_list)
         cmocka_unit_test(a_session_keeps_what_is_chosen),
         cmocka_unit_test(lists_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(a_needle_of_a_list_ends),
+        cmocka_unit_test(a_row_stays_where_the_list_still_has_it),
+        cmocka_unit_test(a_needle_is_chosen_by_its_line),
+        cmocka_unit_test(escape_leaves_the_row_and_its_depths),
         cmocka_unit_test(undo_goes_from_needle_to_needle),
         cmocka_unit_test(a_list_takes_the_place_of_another_one),
     };

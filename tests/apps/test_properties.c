@@ -4,6 +4,7 @@
 #include "viewer/commands/commands.h"
 #include "viewer/session/session.h"
 
+#include "session_words.h"
 #include "test.h"
 #include "window_scene.h"
 

@@ -5,6 +5,7 @@
 
 #include "builders/area_rows.h"
 #include "conus/own.h"
+#include "session_words.h"
 #include "test.h"
 
 #include <math.h>

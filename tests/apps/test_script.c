@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "conus/own.h"
 #include "options/messages.h"
+#include "session_words.h"
 #include "test.h"
 #include "viewer/session/session.h"
 

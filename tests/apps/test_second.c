@@ -5,6 +5,7 @@
 #include "viewer/session/session.h"
 #include "viewer/tools/tools.h"
 
+#include "session_words.h"
 #include "test.h"
 #include "window_scene.h"
 

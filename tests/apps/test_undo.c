@@ -2,6 +2,7 @@
 /* Tests of undo and redo, without a window. */
 #include "viewer/session/session.h"
 
+#include "session_words.h"
 #include "test.h"
 #include "window_scene.h"
 

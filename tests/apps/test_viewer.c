@@ -8,6 +8,7 @@
 #include "viewer/session/session.h"
 
 #include "conus/own.h"
+#include "session_words.h"
 #include "test.h"
 
 #include <limits.h>

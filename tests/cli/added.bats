@@ -115,13 +115,23 @@ enter_line() {
     enter_line "$PWD/more.tck"
     look '.objects == 4'
     tell 'results two.tsv'
-    # Change and Remove of the first one: the list is 620 x 360 pixels in the middle of 1000 x 640
-    click_at 294 174
+    # Change and Remove of the first one: the list is 620 x 400 pixels in the middle of 1000 x 640
+    click_at 294 154
     enter_line ,name=Arc
     look '[.opened.options[] | split("/")[-1]] == ["more.tck", "two.tck,radius=2,name=Arc"]'
     tell 'results changed.tsv'
-    click_at 228 174
+    click_at 228 154
     look '[.opened.options[] | split("/")[-1]] == ["two.tck,radius=2,name=Arc"] and .objects == 3'
+    # a file, its radius, that it moves, and not, and Add
+    tell 'key ctrl+l' 'key ctrl+l'
+    pass
+    typed "$PWD/more.tck"
+    click_at 606 360
+    typed 1.5
+    click_at 203 414
+    click_at 203 414
+    click_at 217 441
+    look '.opened.options[1] | endswith("/more.tck,radius=1.5")'
     leave
     queried --streamlines two.tck,radius=2 | diff one.tsv -
     queried --streamlines two.tck,radius=2 --streamlines more.tck | diff two.tsv -

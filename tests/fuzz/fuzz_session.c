@@ -2,7 +2,7 @@
 /* Sessions of the window: a refused one changes nothing; an accepted one, saved and opened again, is saved the same.
  * Each of two atlases has an area, a pathway and a context of 16 voxels each way; nothing is selected or drawn. */
 #include "conus/own.h"
-#include "viewer/session/session.h"
+#include "tests/support/session_words.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -56,6 +56,9 @@ static void clear(struct window *window)
         window->viewer->drawn->shown.search[0] = '\0';
         window->viewer->version++;
     } else {
+        if (window->viewer->chosen_point) { /* its depths go with it */
+            points_choose(window->viewer, 0);
+        }
         tool_clear(window->viewer);
         viewer_choose(window->viewer, 0);
         viewer_say(window->viewer, "cleared");

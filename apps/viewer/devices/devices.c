@@ -17,12 +17,6 @@ static bool pushed_ask(struct source *source, double now_s, struct source_update
     return false;
 }
 
-void pushed_put(struct pushed *pushed, const conus_pose *pose)
-{
-    pushed->pose = *pose;
-    pushed->is_new = true;
-}
-
 /* Gives each pose of a station's tool once. */
 static bool tracker_ask(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES])
 {
@@ -54,9 +48,4 @@ void devices_init(struct devices *out)
                             .mouse.source.ask = pushed_ask};
     spacemouse_init(&out->spacemouse);
     gamepad_init(&out->gamepad, gamepad_read);
-}
-
-void devices_finish(struct devices *devices)
-{
-    spacemouse_finish(&devices->spacemouse);
 }

@@ -65,12 +65,9 @@ void source_ask(struct source *source, double now_s, struct source_update *out);
 
 struct pushed {
     struct source source; /**< First: a pointer to it is one to this. */
-    conus_pose pose;
+    conus_pose pose;      /**< That is answered next. */
     bool is_new;
 };
-
-/** Puts the pose that is answered next. */
-void pushed_put(struct pushed *pushed, const conus_pose *pose);
 
 struct tracker {
     struct source source; /**< First: a pointer to it is one to the tracker. */
@@ -128,7 +125,6 @@ struct devices {
 };
 
 void devices_init(struct devices *out);
-void devices_finish(struct devices *devices);
 /** The speed of SpaceMouse and gamepad, mm and degrees a second, SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED. */
 static inline double devices_speed(const struct devices *devices)
 {

@@ -58,6 +58,40 @@ bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value
     return snprintf(path, SYSTEM_PATH, "%.*s", (int)length, value) < SYSTEM_PATH;
 }
 
+/* Where ",key" or ",key=TEXT" stands behind the file, and its length; the end where it does not, and 0. */
+static const char *find_key(size_t *size, enum addition kind, const char *value, const char *key)
+{
+    const size_t length = strlen(key);
+    const char *at = value + keys_file_length(value, addition_keys[kind]);
+    while (*at == ',' && (strncmp(at + 1, key, length) != 0 || !strchr(",=", at[1 + length]))) {
+        at += 1 + strcspn(at + 1, ",");
+    }
+    *size = *at ? 1 + strcspn(at + 1, ",") : 0;
+    return at;
+}
+
+bool addition_key(char *out, size_t size, enum addition kind, const char *value, const char *key)
+{
+    size_t length;
+    const char *at = find_key(&length, kind, value, key);
+    const size_t head = strlen(key) + 2;
+    snprintf(out, size, "%.*s", length > head ? (int)(length - head) : 0, at + (length > head ? head : 0));
+    return length;
+}
+
+void addition_put_key(char *value, size_t bytes, enum addition kind, const char *key, const char *text)
+{
+    size_t size;
+    const char *at = find_key(&size, kind, value, key);
+    char *made = NULL;
+    const int length = asprintf(&made, "%.*s%s%s%s%s%s", (int)(at - value), value, text ? "," : "", text ? key : "",
+                                text && *text ? "=" : "", text ? text : "", at + size);
+    if (length >= 0 && (size_t)length < bytes) {
+        memcpy(value, made, (size_t)length + 1);
+    }
+    free(length >= 0 ? made : NULL);
+}
+
 static const char *word_at(const json_t *words, size_t index)
 {
     const char *word = json_string_value(json_array_get(words, index));
@@ -362,26 +396,25 @@ static void match_level(size_t *match, bool *taken, const json_t *then, const js
     }
 }
 
-bool additions_match(size_t *match, const json_t *then, const json_t *now)
+size_t *additions_match(const json_t *then, const json_t *now)
 {
     bool *taken = calloc(json_array_size(now) + 1, sizeof *taken);
-    bool fine = taken;
-    for (size_t i = 0; i < json_array_size(then); i++) {
+    size_t *match = taken ? calloc(json_array_size(then) + 1, sizeof *match) : NULL;
+    for (size_t i = 0; i < json_array_size(then) && match; i++) {
         match[i] = SIZE_MAX;
     }
-    for (int level = 3; level > 0 && fine; level--) {
+    for (int level = 3; level > 0 && match; level--) {
         match_level(match, taken, then, now, level);
     }
     free(taken);
-    return fine;
+    return match;
 }
 
 bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now)
 {
-    size_t count = json_array_size(then);
-    size_t *match = calloc(count + 1, sizeof *match);
+    size_t *match = additions_match(then, now);
     bool differ = false;
-    for (size_t i = 0; match && additions_match(match, then, now) && i < count && !differ; i++) {
+    for (size_t i = 0; match && i < json_array_size(then) && !differ; i++) {
         const json_t *entry = match[i] == SIZE_MAX ? NULL : json_array_get(now, match[i]);
         const char *sum = json_text(json_array_get(then, i), "sha256");
         differ = entry && sum[0] && strcmp(sum, json_text(entry, "sha256")) != 0;

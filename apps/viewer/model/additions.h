@@ -30,6 +30,12 @@ enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
 bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value);
 
+/** Whether @p key stands behind the file of @p value, as ",key" or ",key=TEXT"; the text is in @p out, "" of a flag. */
+bool addition_key(char *out, size_t size, enum addition kind, const char *value, const char *key);
+/** Puts it there, a flag where @p text is ""; NULL = takes it out. Of no effect where @p value, of so many bytes, has
+ * no room for it. */
+void addition_put_key(char *value, size_t bytes, enum addition kind, const char *key, const char *text);
+
 /** @p words with one more; a volume takes the place of another one as context, a list that of another list. NULL: no
  * memory, or no UTF-8. */
 json_t *additions_with(const json_t *words, enum addition kind, const char *value);
@@ -64,10 +70,9 @@ void additions_names(char out[ADDITIONS_MISSING], const json_t *entries);
 bool addition_is_volume_context(const json_t *entry);
 /** Whether both entries are of the same bytes, with the same keys. */
 bool addition_is_same(const json_t *then, const json_t *now);
-/** Which entry of @p now each of @p then is, by its word, or its file's checksum or name: @p match is [entries of @p
- * then], SIZE_MAX = none. No two are the same one. Both as additions_describe() has them, or NULL. False without
- * memory. */
-bool additions_match(size_t *match, const json_t *then, const json_t *now);
+/** Which entry of @p now each of @p then is, by its word, or its file's checksum or name; SIZE_MAX = none. No two are
+ * the same one. Both as additions_describe() has them, or NULL. To be freed; NULL without memory. */
+size_t *additions_match(const json_t *then, const json_t *now);
 /** Whether a file of @p now is another than that of the same name in @p then, by its checksum; @p name says which. */
 bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now);
 
@@ -93,8 +98,6 @@ bool session_file_find(char out[SYSTEM_PATH], const struct session_file *file, c
                        const char *const *others, size_t count);
 /** Finds what was beside the atlas @p atlas, a path: the same file, by its checksum, or by name where none is known. */
 bool session_file_find_near(char out[SYSTEM_PATH], const struct session_file *file, const char *atlas);
-/** Whether the atlas is surely another than that of the session, by its checksum. */
-bool session_file_differs(const struct session_file *file, const conus_atlas *atlas);
 
 /** The text of @p key in a JSON object; "" = none. */
 const char *json_text(const json_t *object, const char *key);

@@ -77,12 +77,7 @@ static const struct column columns[RESULT_COLUMNS] = {
 };
 
 const char *const result_formats[RESULT_FORMATS] = {"TSV", "CSV", "JSON"};
-
-const char *result_ending(size_t format)
-{
-    static const char *const endings[RESULT_FORMATS] = {".tsv", ".csv", ".json"};
-    return endings[format];
-}
+const char *const result_endings[RESULT_FORMATS] = {".tsv", ".csv", ".json"};
 
 const char *result_key(size_t column)
 {
@@ -264,18 +259,14 @@ const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, cons
     double value = value_of(viewer, view, of, result);
     if (column == RESULT_SHARE && result->object && !result->pixels && !viewer->tools[FIRST_TOOL].is_point) {
         snprintf(out, RESULT_TEXT, "behind"); /* others, with all layers */
-    } else if (isfinite(value)) {
-        const bool is_part = of->kind == PART;
-        /* As conus query's table: a hundredth of a mm, but a tenth of a micrometre. */
-        int digits = of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;
-        char part[TEXT_SHARE_SIZE];
-        if (is_part) {
-            snprintf(out, RESULT_TEXT, "%s %%", text_share(part, value, digits));
-        } else {
-            snprintf(out, RESULT_TEXT, "%.*f", digits, value);
-        }
-    } else {
+    } else if (!isfinite(value)) {
         snprintf(out, RESULT_TEXT, "-");
+    } else if (of->kind == PART) {
+        char part[TEXT_SHARE_SIZE];
+        snprintf(out, RESULT_TEXT, "%s %%", text_share(part, value, of->digits));
+    } else { /* as conus query's table: a hundredth of a mm, but a tenth of a micrometre */
+        int digits = of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;
+        snprintf(out, RESULT_TEXT, "%.*f", digits, value);
     }
     return out;
 }

@@ -42,7 +42,7 @@ enum { RESULT_TEXT = 64, RESULT_TIP = 512, RESULT_FORMATS = 3 };
 /** "TSV", "CSV", "JSON": what a list may be exported as. */
 extern const char *const result_formats[RESULT_FORMATS];
 /** How the name of such a file ends: ".tsv", ... */
-const char *result_ending(size_t format);
+extern const char *const result_endings[RESULT_FORMATS];
 
 /** The name of a column in the tables of conus query, such as "distance_mm". */
 const char *result_key(size_t column);

@@ -38,10 +38,7 @@ static const char *path_of(const conus_atlas *atlas, size_t index)
 static struct state look_at_file(const char *path)
 {
     struct system_stat info;
-    if (!system_stat(&info, path)) {
-        return (struct state){.is_there = false};
-    }
-    return (struct state){.is_there = true, .changed = info.changed, .size = info.size};
+    return system_stat(&info, path) ? (struct state){true, info.changed, info.size} : (struct state){false};
 }
 
 static bool is_same_state(const struct state *a, const struct state *b)
@@ -61,16 +58,14 @@ void file_watch_destroy(struct file_watch *watch)
 struct file_watch *file_watch_create(const conus_atlas *atlas)
 {
     struct file_watch *watch = calloc(1, sizeof *watch);
-    if (!watch) {
-        return NULL;
+    if (watch) {
+        *watch = (struct file_watch){.atlas = atlas, .states = calloc(count_files(atlas) + 1, sizeof *watch->states)};
     }
-    watch->atlas = atlas;
-    watch->count = count_files(atlas);
-    watch->states = calloc(watch->count + 1, sizeof *watch->states);
-    if (!watch->states) {
+    if (!watch || !watch->states) {
         file_watch_destroy(watch);
         return NULL;
     }
+    watch->count = count_files(atlas);
     for (size_t i = 0; i < watch->count; i++) {
         watch->states[i][0] = watch->states[i][1] = look_at_file(path_of(watch->atlas, i));
     }

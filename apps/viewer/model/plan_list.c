@@ -102,10 +102,3 @@ conus_status plan_list_fill(struct plan_list *out, const struct plan_task *task,
     conus_plan_destroy(plan);
     return status;
 }
-
-void plan_list_finish(struct plan_list *list)
-{
-    free(list->rows);
-    free(list->text);
-    *list = (struct plan_list){0};
-}

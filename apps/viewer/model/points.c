@@ -6,6 +6,7 @@
 #include "options/messages.h"
 #include "settings/settings.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,29 +56,87 @@ int points_load(struct point_list *out, const char *path, const struct atlases *
     return code;
 }
 
-void points_finish(struct point_list *list)
+/* Asks at the depths of a row, as conus query has them, of a list whose rows have some: a needle of it ends. Without a
+ * row the plan's, or all. In other lists those of the tool stay. False: it was said why not. */
+static bool use_depths(struct viewer *viewer, const conus_pose_row *row)
 {
-    if (list->has_electrodes) {
-        contacts_ungroup(list->points, list->count);
+    const double *had = viewer->cone.options.range;
+    const double near = row && isfinite(row->range[0]) ? row->range[0] : 0;
+    const double far = row && isfinite(row->range[1]) ? row->range[1] : viewer->plan.depth;
+    bool has_depths = false;
+    for (size_t i = 0; i < conus_pose_list_count(viewer->points.poses) && !has_depths; i++) {
+        has_depths = isfinite(conus_pose_list_row(viewer->points.poses, i)->range[1]);
     }
-    free(list->points);
-    free(list->rows);
-    conus_pose_list_destroy(list->poses);
-    *list = (struct point_list){.number = list->number + 1};
+    return !has_depths || (near == had[0] && far == had[1]) || query_set_range(viewer, near, far);
+}
+
+static const conus_pose_row *chosen_row(const struct viewer *viewer)
+{
+    return viewer->chosen_point ? conus_pose_list_row(viewer->points.poses, viewer->chosen_point - 1) : NULL;
+}
+
+void points_check(struct viewer *viewer)
+{
+    const conus_pose_row *row = chosen_row(viewer);
+    const struct tool *tool = &viewer->tools[FIRST_TOOL];
+    bool is_there = row && !row->error && tool->pointer == POINT_BY_REPLAY && tool->is_point == row->is_point;
+    for (size_t i = row && row->is_point ? 12 : 0; i < 16; i++) { /* a point has no axes */
+        is_there = is_there && fabs(tool->pose.world_from_device[i] - row->pose.world_from_device[i]) < 1e-3;
+    }
+    viewer->chosen_point *= is_there;
 }
 
 void points_use(struct viewer *viewer, struct point_list *list)
 {
-    const unsigned number = viewer->points.number;
-    points_finish(&viewer->points);
+    struct point_list before = viewer->points;
+    const conus_pose_row *was = chosen_row(viewer);
+    (void)(was && use_depths(viewer, NULL)); /* those of a list go with it */
     viewer->points = *list;
-    viewer->points.number = number + 1;
-    if (viewer->chosen_point) { /* of the list that goes */
-        viewer->tools[FIRST_TOOL].pointer = POINT_BY_MOUSE;
-    }
-    viewer->chosen_point = 0;
+    viewer->points.number = before.number + 1;
     viewer->version++;
     *list = (struct point_list){0};
+    points_check(viewer);
+    const conus_pose_row *is = chosen_row(viewer);
+    if (is && strcmp(was->id, is->id) == 0) {
+        (void)use_depths(viewer, is);
+    } else if (was) {
+        viewer->tools[FIRST_TOOL].pointer = POINT_BY_MOUSE;
+        viewer->chosen_point = 0;
+    }
+    points_finish(&before);
+}
+
+void points_choose(struct viewer *viewer, uint32_t row)
+{
+    const conus_pose_row *of = row ? conus_pose_list_row(viewer->points.poses, row - 1) : NULL;
+    if (of && of->error) {
+        viewer_say(viewer, "line %zu: %s", of->line, of->error);
+        return;
+    }
+    if (!use_depths(viewer, of)) {
+        return;
+    }
+    tool_choose(viewer, FIRST_TOOL, of ? POINT_BY_REPLAY : POINT_BY_MOUSE);
+    viewer->chosen_point = of ? row : 0;
+    if (!of) {
+        tool_clear(viewer);
+        return;
+    }
+    points_aim(viewer, of);
+    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
+    const bool has_contact = best && best->object && best->pixels;
+    viewer_cross(viewer, has_contact ? best->contact : of->pose.world_from_device + 12);
+}
+
+void points_aim(struct viewer *viewer, const conus_pose_row *row)
+{
+    if (!isnan(row->radius)) {
+        viewer->cone.options.radius = row->radius;
+    }
+    if (row->angle > 0 && viewer->cone.options.radius == 0) {
+        viewer->tools[FIRST_TOOL].angle = row->angle;
+    }
+    (row->is_point ? tool_aim_point : tool_aim)(viewer, FIRST_TOOL, &row->pose);
 }
 
 const conus_drawn_point *points_chosen(const struct viewer *viewer)

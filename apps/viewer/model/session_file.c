@@ -52,12 +52,6 @@ void session_file_finish(struct session_file *file)
     *file = (struct session_file){0};
 }
 
-bool session_file_differs(const struct session_file *file, const conus_atlas *atlas)
-{
-    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
-    return file->sha256[0] && volume && strcmp(file->sha256, volume->sha256) != 0;
-}
-
 /* Also with ",volume=K" and the like behind it. */
 static bool is_there(const char *path)
 {

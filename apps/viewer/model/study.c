@@ -267,7 +267,8 @@ void study_answer_destroy(struct study_answer *answer)
         conus_table_destroy(table->chances);
     }
     if (answer) {
-        plan_list_finish(&answer->plan);
+        free(answer->plan.rows);
+        free(answer->plan.text);
         free(answer->tables);
         free(answer->angles);
         free(answer->text);

@@ -33,10 +33,10 @@ struct plan_list {
     char *text;           /**< As conus plan --format tsv prints it. */
 };
 
-/** Tries the candidates with the radius and range of @p selector; @p out is the caller's to finish in any case. */
+/** Tries the candidates with the radius and range of @p selector; Rows and text of @p out are the caller's to
+ * free in any case. */
 conus_status plan_list_fill(struct plan_list *out, const struct plan_task *task, conus_selector *selector,
                             const conus_atlas *atlas, const conus_frame *frame, conus_progress progress, void *user);
-void plan_list_finish(struct plan_list *list);
 
 /** The name of the object that a clearance is from: the nearest one, or else its constraint's structure. */
 const char *plan_nearest(const conus_plan *plan, const conus_atlas *atlas, const conus_planned *planned, size_t index);

@@ -33,11 +33,6 @@ void times_begin_frame(struct times *times)
     times->frame_started = now;
 }
 
-void times_pause(struct times *times)
-{
-    times->frame_started = 0;
-}
-
 conus_status times_write(struct times *times, const char *path)
 {
     struct system_text text;

@@ -5,6 +5,7 @@
 #include "base/look.h"
 #include "base/system/system.h"
 #include "conus/own.h"
+#include "figures/figure.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -26,25 +27,21 @@ void viewer_say(struct viewer *viewer, const char *format, ...)
 
 void viewer_find_ball(struct viewer *viewer)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double square = 0;
+    struct box3 box = box3_empty();
     double longest = 0;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
-        for (int a = 0; a < 3 && view->box[0][0] <= view->box[1][0]; a++) {
-            low[a] = fmin(low[a], view->box[0][a]);
-            high[a] = fmax(high[a], view->box[1][a]);
+        if (view->box[0][0] <= view->box[1][0]) {
+            box3_join(&box, view->box[0], view->box[1]);
         }
     }
-    for (int a = 0; a < 3 && low[0] <= high[0]; a++) {
-        viewer->centre[a] = (low[a] + high[a]) / 2;
-        viewer->half[a] = (high[a] - low[a]) / 2;
-        square += viewer->half[a] * viewer->half[a];
-        longest = fmax(longest, high[a] - low[a]);
+    for (int a = 0; a < 3 && box.low[0] <= box.high[0]; a++) {
+        viewer->centre[a] = (box.low[a] + box.high[a]) / 2;
+        viewer->half[a] = (box.high[a] - box.low[a]) / 2;
+        longest = fmax(longest, box.high[a] - box.low[a]);
     }
     /* Brains are round: corners of their boxes are empty. But both ends of a long one are to be seen. */
-    viewer->radius = fmax(fmax(0.72 * sqrt(square), 0.54 * longest), 1);
+    viewer->radius = fmax(fmax(longest > 0 ? 0.72 * vec3_length(viewer->half) : 0, 0.54 * longest), 1);
 }
 
 static void finish_atlases(struct viewer *viewer, bool with_them)
@@ -88,6 +85,17 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     orbit_look_at(&viewer.orbit, viewer.centre, viewer.radius);
     *out = viewer;
     return CONUS_OK;
+}
+
+void points_finish(struct point_list *list)
+{
+    if (list->has_electrodes) {
+        contacts_ungroup(list->points, list->count);
+    }
+    free(list->points);
+    free(list->rows);
+    conus_pose_list_destroy(list->poses);
+    *list = (struct point_list){.number = list->number + 1};
 }
 
 void viewer_finish(struct viewer *viewer)
@@ -157,19 +165,18 @@ size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer
 const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *viewer, const double world[3])
 {
     double at[3];
-    char numbers[3][16];
+    char number[16];
+    size_t used = 0;
     conus_space space = viewer->frame.space;
     bool named = space >= CONUS_SPACE_CCF;
     conus_frame_from_world(at, &viewer->frame, world);
     for (size_t a = 0; a < 3; a++) {
-        viewer_put_coordinate(numbers[a], sizeof numbers[a], viewer, at[a]);
+        viewer_put_coordinate(number, sizeof number, viewer, at[a]);
+        used += (size_t)snprintf(out + used, VIEWER_PLACE_TEXT - used, "%s%s%s%s", a ? ", " : "",
+                                 named ? conus_space_axis(space, a) : "", named ? " " : "", number);
     }
-    snprintf(out, VIEWER_PLACE_TEXT, "%s%s%s, %s%s%s, %s%s%s %s%s", named ? conus_space_axis(space, 0) : "",
-             named ? " " : "", numbers[0], named ? conus_space_axis(space, 1) : "", named ? " " : "", numbers[1],
-             named ? conus_space_axis(space, 2) : "", named ? " " : "", numbers[2], conus_space_unit(space),
-             space == CONUS_SPACE_RAS   ? " RAS"
-             : space == CONUS_SPACE_LPS ? " LPS"
-                                        : "");
+    const char *name = space == CONUS_SPACE_RAS ? " RAS" : space == CONUS_SPACE_LPS ? " LPS" : "";
+    snprintf(out + used, VIEWER_PLACE_TEXT - used, " %s%s", conus_space_unit(space), name);
     return out;
 }
 
@@ -314,28 +321,15 @@ void viewer_cross(struct viewer *viewer, const double at[3])
     viewer->version++;
 }
 
-/* Solves world_from_voxel v = at by Cramer's rule. */
-static bool find_voxel(double voxel[3], const double m[16], const double at[3])
-{
-    double d[3];
-    const double determinant = mat4_determinant3(m);
-    if (determinant == 0) {
-        return false;
-    }
-    vec3_sub(d, at, m + 12);
-    for (int c = 0; c < 3; c++) {
-        double minors[3];
-        vec3_cross(minors, m + 4 * ((c + 1) % 3), m + 4 * ((c + 2) % 3));
-        voxel[c] = vec3_dot(d, minors) / determinant;
-    }
-    return true;
-}
-
 bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3])
 {
+    double voxel_from_world[16];
     double exact[3];
     const conus_volume_info *info = conus_atlas_volume(viewer->drawn->atlas, 0); /* the parcellation is the first */
-    bool inside = info && find_voxel(exact, info->world_from_voxel, at);
+    bool inside = info && mat4_invert_affine(voxel_from_world, info->world_from_voxel);
+    if (inside) {
+        mat4_point(exact, voxel_from_world, at);
+    }
     for (int a = 0; a < 3 && inside; a++) {
         double cell = floor(exact[a] + 0.5);
         inside = cell >= 0 && cell < (double)info->dim[a];

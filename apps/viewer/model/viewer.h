@@ -39,9 +39,16 @@ struct point_list {
 int points_load(struct point_list *out, const char *path, const struct atlases *atlases, const conus_frame *frame,
                 double radius, const struct common_settings *common, uint64_t max_memory);
 void points_finish(struct point_list *list);
-/** Puts @p list, which it takes over, in the place of the viewer's; what was chosen there is chosen no more, and the
- * mouse points again. */
+/** Puts @p list, which it takes over, in the place of the viewer's. The chosen row stays where points_check() says so,
+ * with its depths now; else these go with it, and the mouse points again. */
 void points_use(struct viewer *viewer, struct point_list *list);
+/** Chooses a row by its number from 1: the tool goes there, and the crosshair to what it hits, or there; 0 = none, and
+ * the mouse points again. The status line says where a row has an error. */
+void points_choose(struct viewer *viewer, uint32_t row);
+/** Of a list that may have changed no row is chosen where the tool is not. */
+void points_check(struct viewer *viewer);
+/** Moves the first tool to a row, with its angle or radius if it has one. */
+void points_aim(struct viewer *viewer, const conus_pose_row *row);
 /** The point of the chosen row; NULL = none. */
 const conus_drawn_point *points_chosen(const struct viewer *viewer);
 
@@ -232,8 +239,6 @@ void times_start(struct times *times, double started);
 void times_add(struct times *times, enum timed kind, double milliseconds);
 /** A frame begins now. */
 void times_begin_frame(struct times *times);
-/** The window sleeps: the next frame does not follow from the one before. */
-void times_pause(struct times *times);
 
 /** Writes count, median, 90th percentile and maximum of each since the last time, as JSON, and starts anew; with
  * how long that was, and the processor time that the program took meanwhile. */

@@ -504,7 +504,8 @@ static bool open_session(struct window *window, const char *session, const char 
     } else if (fine) {
         fine = open_named(window, resume.path, &resume.worded.settings, why);
     }
-    if (fine && session_file_differs(&resume.file, window->viewer->atlases->atlas)) {
+    const conus_volume_info *volume = fine ? conus_atlas_volume(window->viewer->atlases->atlas, 0) : NULL;
+    if (volume && resume.file.sha256[0] && strcmp(resume.file.sha256, volume->sha256) != 0) {
         viewer_say(window->viewer, "the session has another file than this %s: numbers and names may differ",
                    window->viewer->atlases->path);
     }

@@ -22,10 +22,11 @@ struct identity {
     const char *name;
 };
 
-/* An atlas's objects, by number, and in the order of compare_identities(). */
+/* An atlas's objects, in the order of compare_identities(). */
 struct identities {
-    struct identity *by_number; /* [count + 1] */
-    struct identity *ordered;   /* [count] */
+    const conus_atlas *atlas;
+    uint32_t step;            /* as find_step() has it */
+    struct identity *ordered; /* [count] */
     size_t count;
 };
 
@@ -70,35 +71,32 @@ static int compare_identities(const void *a, const void *b)
     return order ? order : (x->number > y->number) - (x->number < y->number);
 }
 
+static struct identity identity_of(const struct identities *in, uint32_t number)
+{
+    const conus_object *object = conus_atlas_object(in->atlas, number);
+    const bool is_area = object->kind == CONUS_KIND_AREA;
+    const bool is_made = in->step && is_area && object->label >= in->step;
+    return (struct identity){.kind = object->kind,
+                             .label = !is_area  ? 0
+                                      : is_made ? object->label % in->step
+                                                : object->label,
+                             .part = is_made ? (enum part)(object->label / in->step) : WHOLE,
+                             .number = number,
+                             .name = object->name};
+}
+
+/* Its list is the caller's to free; false without memory. */
 static bool identities_find(struct identities *out, const conus_atlas *atlas, conus_hemispheres how)
 {
-    size_t count = conus_atlas_object_count(atlas);
-    uint32_t step = find_step(atlas, how);
-    out->count = count;
-    out->by_number = calloc(count + 1, sizeof *out->by_number);
-    out->ordered = calloc(count + 1, sizeof *out->ordered);
-    for (size_t number = 1; number <= count && out->by_number && out->ordered; number++) {
-        const conus_object *object = conus_atlas_object(atlas, number);
-        bool is_made = step && object->kind == CONUS_KIND_AREA && object->label >= step;
-        out->by_number[number] = (struct identity){.kind = object->kind,
-                                                   .label = object->kind != CONUS_KIND_AREA ? 0
-                                                            : is_made                       ? object->label % step
-                                                                                            : object->label,
-                                                   .part = is_made ? (enum part)(object->label / step) : WHOLE,
-                                                   .number = (uint32_t)number,
-                                                   .name = object->name};
-        out->ordered[number - 1] = out->by_number[number];
+    const size_t count = conus_atlas_object_count(atlas);
+    *out = (struct identities){atlas, find_step(atlas, how), calloc(count + 1, sizeof *out->ordered), count};
+    for (uint32_t number = 1; number <= count && out->ordered; number++) {
+        out->ordered[number - 1] = identity_of(out, number);
     }
     if (out->ordered) {
         order_sort(out->ordered, count, sizeof *out->ordered, compare_identities);
     }
-    return out->by_number && out->ordered;
-}
-
-static void identities_finish(struct identities *identities)
-{
-    free(identities->by_number);
-    free(identities->ordered);
+    return out->ordered;
 }
 
 /* The length of the name without the " left" or " right" of a half. */
@@ -138,12 +136,12 @@ static uint32_t find_part(const struct identities *in, const struct identity *of
 /* A pair that was no pair before has no sources: it takes over the settings of its areas. */
 static struct sources find_sources(const struct exchange *exchange, uint32_t number)
 {
-    const struct identity *is = &exchange->now.by_number[number];
+    const struct identity is = identity_of(&exchange->now, number);
     const struct identities *before = &exchange->before;
-    uint32_t same = find_part(before, is, is->part);
-    uint32_t whole = is->part == PAIR ? 0 : find_part(before, is, WHOLE);
-    uint32_t left = is->part == WHOLE ? find_part(before, is, LEFT_HALF) : 0;
-    uint32_t right = is->part == WHOLE ? find_part(before, is, RIGHT_HALF) : 0;
+    uint32_t same = find_part(before, &is, is.part);
+    uint32_t whole = is.part == PAIR ? 0 : find_part(before, &is, WHOLE);
+    uint32_t left = is.part == WHOLE ? find_part(before, &is, LEFT_HALF) : 0;
+    uint32_t right = is.part == WHOLE ? find_part(before, &is, RIGHT_HALF) : 0;
     if (same || whole) {
         return (struct sources){{same ? same : whole}, 1};
     }
@@ -169,7 +167,7 @@ static void take_over(struct exchange *exchange, uint32_t number)
         to->appearance.haze[number] = from->appearance.haze[old[0]];
     }
     for (size_t i = 0; i < sources.count; i++) { /* of an area that became two none is chosen */
-        bool is_half = exchange->now.by_number[number].part > exchange->before.by_number[old[i]].part;
+        bool is_half = identity_of(&exchange->now, number).part > identity_of(&exchange->before, old[i]).part;
         to->shown.chosen = from->shown.chosen == old[i] && !is_half ? number : to->shown.chosen;
     }
 }
@@ -211,7 +209,7 @@ static void take_over_all(struct exchange *exchange)
         take_over(exchange, number);
     }
     for (uint32_t number = 1; number <= to->object_count; number++) {
-        if (exchange->now.by_number[number].part == PAIR && !find_sources(exchange, number).count) {
+        if (identity_of(&exchange->now, number).part == PAIR && !find_sources(exchange, number).count) {
             take_over_pair(exchange, number);
         }
     }
@@ -241,8 +239,8 @@ static conus_status exchange_prepare(struct exchange *exchange, const struct rep
         return CONUS_ERROR_MEMORY;
     }
     for (uint32_t number = 1; number <= exchange->now.count; number++) {
-        const struct identity *is = &exchange->now.by_number[number];
-        bool may_be_new = is->kind != CONUS_KIND_AREA || is->part == PAIR;
+        const struct identity is = identity_of(&exchange->now, number);
+        bool may_be_new = is.kind != CONUS_KIND_AREA || is.part == PAIR;
         exchange->is_other = exchange->is_other || (!may_be_new && !find_sources(exchange, number).count);
     }
     if (exchange->is_other) {
@@ -289,16 +287,16 @@ bool viewer_replace(struct viewer *viewer, const struct replacement *now, char *
         struct pin *pin = &viewer->pins[i];
         if (pin->object) {
             const struct exchange *exchange = &all[pin->atlas];
-            const struct identity *was = &exchange->before.by_number[pin->object];
-            pin->object = find_part(&exchange->now, was, was->part);
+            const struct identity was = identity_of(&exchange->before, pin->object);
+            pin->object = find_part(&exchange->now, &was, was.part);
         }
     }
     if (!status) {
         viewer_exchange(viewer, next);
     }
     for (size_t i = 0; all && next && i < viewer->atlas_count; i++) {
-        identities_finish(&all[i].before);
-        identities_finish(&all[i].now);
+        free(all[i].before.ordered);
+        free(all[i].now.ordered);
         view_atlas_finish(&next[i]);
     }
     free(all);

@@ -397,7 +397,6 @@ static float draw_next_hits(const struct viewer *viewer, const float start[2], f
         char title[VIEW_ATLAS_TITLE];
         char text[VIEW_ATLAS_TITLE + SHARE_TEXT];
         char share[SHARE_TEXT];
-        uint8_t rgb[3];
         if (!result->object || !result->pixels) {
             continue;
         }
@@ -408,9 +407,8 @@ static float draw_next_hits(const struct viewer *viewer, const float start[2], f
             break;
         }
         if (draws) {
-            viewer_colour(rgb, viewer, result->object);
             ui_draw_box((struct ui_box){start[0] + used, start[1] + 0.2F * high, 0.6F * high, 0.6F * high},
-                        (ui_colour){rgb[0], rgb[1], rgb[2], 255}, 0);
+                        panel_colour(viewer, result->object), 0);
             ui_draw_large((float[]){start[0] + used + high, start[1]}, light, text, high);
         }
         used += wide;
@@ -426,7 +424,6 @@ static void draw_card(struct window *window, float below)
     const conus_selection *selection = viewer_selection(viewer);
     struct headline headline;
     char shown[HEADLINE_TEXT];
-    uint8_t rgb[3];
     const bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
     headline_find(&headline, viewer);
     if (is_old) {
@@ -444,10 +441,9 @@ static void draw_card(struct window *window, float below)
     float wide = fmaxf(ui_large_width(headline.what, name), ui_large_width(headline.more, more));
     wide = fminf(fmaxf(wide, draw_next_hits(viewer, at, most, hit, false)), most);
     const uint32_t best = conus_selection_count(selection) ? conus_selection_result(selection, 0)->object : 0;
-    viewer_colour(rgb, viewer, best);
     const ui_colour bar = is_old                ? theme_shaded[THEME_ORANGE]
                           : headline.is_of_plan ? theme_shaded[panel_verdict_colour(plans_verdict(viewer))]
-                                                : (ui_colour){rgb[0], rgb[1], rgb[2], 255};
+                                                : panel_colour(viewer, best);
     const struct ui_box card = {at[0] - 2 * gap, at[1] - gap, wide + 4 * gap, whole};
     ui_draw_box(card, theme_surfaces[THEME_SHADE], 0);
     ui_draw_box((struct ui_box){card.x, card.y, 0.6F * gap, card.height}, bar, 0);

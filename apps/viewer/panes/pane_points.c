@@ -2,6 +2,7 @@
 /* The list of points over a pane: balls and names as figures have them, a ring around the one that is chosen. */
 #include "viewer/panes/panes.h"
 
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "conus/own.h"
 
@@ -71,15 +72,42 @@ static void draw_anew(struct point_layer *layer, struct window *window, const st
     conus_image_destroy(image);
 }
 
-/* Where a point is seen, pixels; false where it is not: behind the eye, or too far from the cut. */
+/* Where a point is seen, pixels; false where it is not: behind the eye, or too far from the cut. A needle of which the
+ * cut has the line alone is where that comes nearest to it, as figures name it there. */
 static bool find_place(float out[2], const struct window *window, const conus_drawn_point *point,
                        const struct pane_plane *plane)
 {
     if (!plane) {
         return window_point(out, window, point->at);
     }
-    pane_point(out, plane, point->at);
-    return pane_is_in_cut(window, plane, point->at, fmax(point->radius, CONUS_POINT_NEAR_CUT));
+    const conus_cut_view *view = &plane->view;
+    double normal[3];
+    double offset[3];
+    double way[3];
+    double span[2] = {0, 1}; /* the part of the line that is shown */
+    double begin = 0;
+    double along = 0;
+    pane_normal(normal, plane);
+    vec3_sub(offset, point->at, view->centre);
+    vec3_sub(way, vec3_is_finite(point->end) ? point->end : point->at, point->at);
+    const double *axes[] = {view->right, view->up, normal};
+    const double limits[] = {view->mm_per_pixel * (double)plane->box.width / 2,
+                             view->mm_per_pixel * (double)plane->box.height / 2,
+                             fmax(point->radius, CONUS_POINT_NEAR_CUT)};
+    for (int a = 0; a < 3; a++) {
+        begin = vec3_dot(offset, axes[a]);
+        along = vec3_dot(way, axes[a]);
+        if (along != 0) {
+            span[0] = fmax(span[0], (-copysign(limits[a], along) - begin) / along);
+            span[1] = fmin(span[1], (copysign(limits[a], along) - begin) / along);
+        } else if (fabs(begin) > limits[a]) {
+            return false;
+        }
+    }
+    const double crossing = along != 0 ? -begin / along : 0; /* of the cut */
+    vec3_add_scaled(way, point->at, span[0] > 0 ? fmin(fmax(crossing, span[0]), span[1]) : 0, way);
+    pane_point(out, plane, way);
+    return span[1] > span[0];
 }
 
 void pane_points(struct window *window, size_t pane, const struct ui_box *box, const struct pane_plane *plane)

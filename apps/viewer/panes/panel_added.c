@@ -7,14 +7,30 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* What the line takes, by kind. */
-static const char *const keys[ADDITION_COUNT] = {
-    "a volume, in place of another one, or a surface",
-    "a map of probabilities, or a mask; behind it may stand ,threshold=0.5 ,name=Arcuate ,unit=z ,volume=2",
-    "a tractogram; behind it may stand ,radius=1 (mm; else 0.5) ,name=Arcuate ,space=lps ,moves",
-    "a list of contacts, optodes, coils or other points and poses, in place of another one",
+static const char *const files[ADDITION_COUNT] = {
+    "a volume, in place of another one, or a surface", "a map of probabilities or of a statistic, or a mask",
+    "a tractogram", "a list of contacts, optodes, coils or other points and poses, in place of another one",
     "an atlas, or the name of an installed one, in the same space: it gets the same questions"};
+
+/* Lines and boxes for what may stand behind the file. */
+static const struct {
+    enum addition kind;
+    const char *key, *label;
+    const char *hint; /* NULL: a box */
+    const char *tip;
+} fields[] = {
+    {ADD_PATHWAY, "name", "Name", "Arcuate", "what it is called; else as its file"},
+    {ADD_PATHWAY, "threshold", "Threshold", "0.5", "voxels from this value on are of it, in the unit of its file"},
+    {ADD_PATHWAY, "unit", "Unit", "z", "of its values"},
+    {ADD_PATHWAY, "volume", "Volume", "0", "the one of a file that has several, from 0"},
+    {ADD_STREAMLINES, "name", "Name", "Arcuate", "what the bundle is called; else as its file"},
+    {ADD_STREAMLINES, "radius", "Radius", "0.5", "mm, of the tubes as which streamlines are hit"},
+    {ADD_STREAMLINES, "space", "Space", "ras or lps", "of its coordinates, where the file does not say it"},
+    {ADD_STREAMLINES, "moves", "It moves with the atlas", NULL, "by --atlas-transform; else it stays where it is"},
+};
 
 /* Draws a file's name and keys; the tip has the whole path. */
 static void draw_file(struct window *window, size_t index, enum addition kind, const char *value)
@@ -47,10 +63,32 @@ static void draw_file(struct window *window, size_t index, enum addition kind, c
     ui_tip(path);
 }
 
+/* Draws the fields of the kind, with what the line has. */
+static void draw_fields(struct added_form *form)
+{
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+        const char *hint = fields[i].hint;
+        char was[256];
+        char is[256];
+        if (fields[i].kind != form->kind) {
+            continue;
+        }
+        bool is_on = addition_key(was, sizeof was, fields[i].kind, form->text, fields[i].key);
+        memcpy(is, was, sizeof is);
+        bool changed = hint ? ui_type(fields[i].label, is, sizeof is, hint, fields[i].tip)
+                            : ui_check(fields[i].label, &is_on, fields[i].tip);
+        if (changed || strcmp(was, is) != 0) {
+            addition_put_key(form->text, sizeof form->text, fields[i].kind, fields[i].key,
+                             *is || (!hint && is_on) ? is : NULL);
+            form->is_set = true;
+        }
+    }
+}
+
 static void draw_files(struct window *window, const json_t *words)
 {
     size_t count = 0;
-    ui_scroll("files", fmaxf(ui_room_below() - 7.5F * ui_line(), 3 * ui_line()));
+    ui_scroll("files", fmaxf(ui_room_below() - 13 * ui_line(), 3 * ui_line()));
     for (size_t i = 0; i < json_array_size(words) && !window_has_request(window); i++) {
         const char *value;
         enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
@@ -72,7 +110,8 @@ static void draw_line(struct window *window, const json_t *words)
     ui_take_keys(&form->takes_keys);
     ui_width(ui_room());
     bool entered = ui_type_path("##file", form->text, sizeof form->text, "", "", SIZE_MAX, &form->is_set);
-    ui_text_wrapped(THEME_HINT, keys[form->kind]);
+    ui_text_wrapped(THEME_HINT, files[form->kind]);
+    draw_fields(form);
     bool used = ui_button(form->changed ? "Use instead" : "Add",
                           "the atlas is opened again, and all that you set stays; Enter, too") ||
                 entered;
@@ -94,7 +133,7 @@ static void draw_line(struct window *window, const json_t *words)
 void panel_added(struct window *window)
 {
     const json_t *words = json_object_get(window->files.opened, "options");
-    window_panel(window, "Files that were added (Ctrl+L; Escape closes this)", 620, 360);
+    window_panel(window, "Files that were added (Ctrl+L; Escape closes this)", 620, 400);
     draw_files(window, words);
     ui_separator();
     draw_line(window, words);

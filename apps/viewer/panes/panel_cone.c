@@ -260,8 +260,20 @@ void panel_question(struct window *window)
     search_area(window);
 }
 
+static void show_times(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    char device[PAINTER_TEXT];
+    char text[PAINTER_TEXT + 128];
+    const bool has_device = viewer->painter && painter_text(device, viewer->painter, PAINTER_DEVICE);
+    snprintf(text, sizeof text, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
+             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, has_device ? ", " : "",
+             has_device ? device : "");
+    ui_text_wrapped(THEME_HINT, text);
+}
+
 /* All other settings of the cone and of the hits that count. */
-static void choose_details(struct window *window)
+void panel_expert(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     show_pose(viewer);
@@ -279,22 +291,5 @@ static void choose_details(struct window *window)
         }
     }
     choose_hits(window);
-}
-
-static void show_times(const struct window *window)
-{
-    const struct viewer *viewer = window->viewer;
-    char device[PAINTER_TEXT];
-    char text[PAINTER_TEXT + 128];
-    const bool has_device = viewer->painter && painter_text(device, viewer->painter, PAINTER_DEVICE);
-    snprintf(text, sizeof text, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
-             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, has_device ? ", " : "",
-             has_device ? device : "");
-    ui_text_wrapped(THEME_HINT, text);
-}
-
-void panel_expert(struct window *window)
-{
-    choose_details(window);
     show_times(window);
 }

@@ -27,11 +27,6 @@ const char *backdrop_of_figures(enum backdrop backdrop)
     return backdrop_names[backdrop == BACKDROP_THEME ? BACKDROP_LIGHT : backdrop];
 }
 
-void sheet_init(struct sheet *out)
-{
-    *out = (struct sheet){.pixels = {1400, 1050}, .mm = {85, 64}};
-}
-
 bool sheet_is_same(const struct sheet *a, const struct sheet *b)
 {
     return a->in_mm == b->in_mm && a->pixels[0] == b->pixels[0] && a->pixels[1] == b->pixels[1] &&
@@ -99,12 +94,6 @@ bool appearance_same_tracts(const struct appearance *a, const struct appearance 
 {
     return a->streamlines == b->streamlines && a->object_count == b->object_count &&
            memcmp(a->haze, b->haze, (a->object_count + 1) * sizeof *a->haze) == 0;
-}
-
-void appearance_set(conus_view *view, const struct appearance *appearance)
-{
-    view->opacity = appearance->opacity;
-    view->pale = appearance->opacity[0];
 }
 
 static double clamp(double value, double low, double high)

@@ -60,8 +60,10 @@ static conus_status sample_plane(struct lattice *lattice, uint32_t k, struct sea
     return status;
 }
 
-static conus_status sample(struct lattice *out, const double low[3], const double high[3], struct search *search)
+static conus_status sample(struct lattice *out, const struct box3 *box, struct search *search)
 {
+    const double *low = box->low;
+    const double *high = box->high;
     struct lattice lattice = {.low = {low[0], low[1], low[2]}};
     double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
     lattice.edge = fmax(longest, 1e-6) / MOST; /* a point has a size, too */
@@ -82,12 +84,13 @@ static conus_status sample(struct lattice *out, const double low[3], const doubl
     return status;
 }
 
-/* The box of what is inside, and a cell around it; false where nothing is. */
-static bool find_box(double low[3], double high[3], const struct lattice *lattice)
+/* The box of what is inside, and a cell around it; empty where nothing is. */
+static struct box3 find_box(const struct lattice *lattice)
 {
     const uint32_t *n = lattice->dim;
     long least[3] = {MOST, MOST, MOST};
     long most[3] = {-1, -1, -1};
+    struct box3 box = box3_empty();
     for (size_t cell = 0; cell < (size_t)n[0] * n[1] * n[2]; cell++) {
         const long at[3] = {(long)(cell % n[0]), (long)(cell / n[0] % n[1]), (long)(cell / n[0] / n[1])};
         for (int a = 0; a < 3 && lattice->inside[cell]; a++) {
@@ -95,16 +98,16 @@ static bool find_box(double low[3], double high[3], const struct lattice *lattic
             most[a] = at[a] > most[a] ? at[a] : most[a];
         }
     }
-    for (int a = 0; a < 3; a++) {
-        low[a] = lattice->low[a] + lattice->edge * (double)(least[a] - 1);
-        high[a] = lattice->low[a] + lattice->edge * (double)(most[a] + 2);
+    for (int a = 0; a < 3 && most[0] >= 0; a++) {
+        box.low[a] = lattice->low[a] + lattice->edge * (double)(least[a] - 1);
+        box.high[a] = lattice->low[a] + lattice->edge * (double)(most[a] + 2);
     }
-    return most[0] >= 0;
+    return box;
 }
 
 /* Objects that lie between the cells of the first look have their middles at least; what many of them are, whose
  * middles take long to find, is large. */
-static void add_middles(double low[3], double high[3], double around, const struct search *search)
+static void add_middles(struct box3 *box, double around, const struct search *search)
 {
     size_t count = conus_atlas_object_count(search->atlas);
     unsigned small = 0;
@@ -114,8 +117,8 @@ static void add_middles(double low[3], double high[3], double around, const stru
         small += missed;
         if (missed && !conus_atlas_centre(middle, search->atlas, number)) {
             for (int a = 0; a < 3; a++) {
-                low[a] = fmin(low[a], middle[a] - around);
-                high[a] = fmax(high[a], middle[a] + around);
+                box->low[a] = fmin(box->low[a], middle[a] - around);
+                box->high[a] = fmax(box->high[a], middle[a] + around);
             }
         }
     }
@@ -146,20 +149,16 @@ static conus_status take_surface(struct cells *out, const struct lattice *lattic
     return cells.middles ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* Finds the box of the objects by a coarse look at the whole atlas; where there is none, low is above high. */
-static conus_status find_objects(double low[3], double high[3], struct search *search)
+/* Finds the box of the objects by a coarse look at the whole atlas, empty where there is none. */
+static conus_status find_objects(struct box3 *out, struct search *search)
 {
-    double bounds[2][3];
+    struct box3 all;
     struct lattice lattice = {.inside = NULL};
-    bool any = !conus_atlas_bounds(bounds[0], bounds[1], search->atlas); /* else all is hidden */
-    conus_status status = any ? sample(&lattice, bounds[0], bounds[1], search) : CONUS_OK;
-    bool found = any && !status && find_box(low, high, &lattice);
-    for (int a = 0; a < 3 && !found; a++) {
-        low[a] = INFINITY;
-        high[a] = -INFINITY;
-    }
+    bool any = !conus_atlas_bounds(all.low, all.high, search->atlas); /* else all is hidden */
+    conus_status status = any ? sample(&lattice, &all, search) : CONUS_OK;
+    *out = any && !status ? find_box(&lattice) : box3_empty();
     if (any && !status) {
-        add_middles(low, high, lattice.edge, search);
+        add_middles(out, lattice.edge, search);
         free(lattice.inside);
     }
     return status;
@@ -167,14 +166,14 @@ static conus_status find_objects(double low[3], double high[3], struct search *s
 
 conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool *wanted)
 {
-    double box[2][3];
+    struct box3 box;
     struct lattice lattice = {.inside = NULL};
     struct search search = {atlas, wanted, calloc(conus_atlas_object_count(atlas) + 1, sizeof *search.seen), NULL};
     *out = (struct cells){.middles = NULL};
     conus_status status = search.seen ? conus_cutter_create(&search.cutter, atlas) : CONUS_ERROR_MEMORY;
-    status = status ? status : find_objects(box[0], box[1], &search);
-    if (!status && box[0][0] < box[1][0]) {
-        status = sample(&lattice, box[0], box[1], &search);
+    status = status ? status : find_objects(&box, &search);
+    if (!status && box.low[0] < box.high[0]) {
+        status = sample(&lattice, &box, &search);
         status = status ? status : take_surface(out, &lattice);
     }
     free(lattice.inside);

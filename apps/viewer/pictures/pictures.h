@@ -137,8 +137,6 @@ void appearance_finish(struct appearance *appearance);
 void appearance_colour_streamlines(struct appearance *appearance, const conus_atlas *atlas, size_t colour);
 /** Whether both draw pathways and streamlines in the same way. */
 bool appearance_same_tracts(const struct appearance *a, const struct appearance *b);
-/** Sets the opacities in @p view, which borrows them. */
-void appearance_set(conus_view *view, const struct appearance *appearance);
 /** Moves the grey values @p grey of the cuts: @p up makes it brighter, by the width of @p found for 1; @p right gives
  * more contrast, e times for 1. Black stays below white, and both near @p found, which some images were found with. */
 void appearance_move_grey(double grey[2], const double found[2], double right, double up);
@@ -169,8 +167,6 @@ struct sheet {
     bool no_text; /**< No legend, and no letters. */
 };
 
-/** The default of conus render. */
-void sheet_init(struct sheet *out);
 bool sheet_is_same(const struct sheet *a, const struct sheet *b);
 
 /* The 3-D pictures, drawn by conus_render() on a thread with a GL context of its own, so that the window never waits

@@ -69,7 +69,7 @@ void save_file(struct window *window, enum saved_file what)
     const struct viewer *viewer = window->viewer;
     const char *ending = what == SAVE_PICTURE   ? ".png"
                          : what == SAVE_STUDY   ? ".tsv"
-                         : what == SAVE_RESULTS ? result_ending(viewer->list.format)
+                         : what == SAVE_RESULTS ? result_endings[viewer->list.format]
                                                 : ".json";
     char name[NAME_SIZE];
     char end[16];

@@ -3,7 +3,6 @@
  * context's colours, and what each atlas shows. */
 #include "viewer/session/session.h"
 
-#include "base/geometry/math3.h"
 #include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -145,14 +144,6 @@ json_t *session_json(const struct window *window)
         }
     }
     return root;
-}
-
-char *session_text(const struct window *window)
-{
-    json_t *root = session_json(window);
-    char *text = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
-    json_decref(root);
-    return text;
 }
 
 /* The checks that need more than one row. */
@@ -369,11 +360,7 @@ static void put_session(struct window *window, struct session *session, const js
             property_put(window, &properties[i], session->values[i]);
         }
     }
-    const conus_drawn_point *chosen = points_chosen(viewer); /* the list may have changed */
-    const double *at = viewer->tools[FIRST_TOOL].pose.world_from_device + 12;
-    double off[3];
-    vec3_sub(off, chosen ? chosen->at : at, at);
-    viewer->chosen_point *= viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY && chosen && vec3_length(off) < 1e-3;
+    points_check(viewer);
     put_head(&viewer->head, session->values);
     devices_set_speed(&window->inputs.devices, session->values[PROPERTY_SPEED][0]);
     viewer->list.columns = session->columns;
@@ -425,23 +412,6 @@ bool session_read(struct window *window, json_t *root, const char *name, char wh
     return read_session(window, root, fault) || session_refuse(why, "%.120s: %s", name, fault);
 }
 
-/* @p name is what errors call it. */
-static json_t *parse(const char *name, const char *text, size_t size, char why[PROPERTY_REASON])
-{
-    json_error_t error;
-    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
-    (void)(root || session_refuse(why, "%s: line %d: %s", name, error.line, error.text));
-    return root;
-}
-
-bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
-{
-    json_t *root = parse("session", text, size, why);
-    bool fine = root && session_read(window, root, "session", why);
-    json_decref(root);
-    return fine;
-}
-
 static json_t *read_file(const char *path, char why[PROPERTY_REASON])
 {
     char *text = NULL;
@@ -449,8 +419,13 @@ static json_t *read_file(const char *path, char why[PROPERTY_REASON])
     messages_hold(true);
     int code = input_file_read(&text, &size, path, INPUT_FILE_OR_PIPE, SESSION_LIMIT);
     messages_hold(false);
-    (void)(!code || session_refuse(why, "%s", error_line()));
-    json_t *root = code ? NULL : parse(path, text, size, why);
+    json_error_t error;
+    json_t *root = code ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    if (code) {
+        session_refuse(why, "%s", error_line());
+    } else if (!root) {
+        session_refuse(why, "%s: line %d: %s", path, error.line, error.text);
+    }
     free(text);
     return root;
 }

@@ -15,10 +15,6 @@ struct json_t *session_json(const struct window *window);
  * colon, and nothing changed. */
 bool session_read(struct window *window, struct json_t *root, const char *name, char why[PROPERTY_REASON]);
 
-/** The session as text, to be freed. */
-char *session_text(const struct window *window);
-bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON]);
-
 /** False: @p why says why not, in one line. The window knows the path of the session from then on. */
 bool session_save(struct window *window, const char *path, char why[PROPERTY_REASON]);
 /** Names what was made by hand and is not in the session that was saved or opened last; static; NULL = nothing. */

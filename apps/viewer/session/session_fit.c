@@ -96,11 +96,10 @@ static uint32_t number_of_added(const json_t *root, const struct view_atlas *vie
 static bool find_numbers(struct numbering *out, const json_t *root, const struct view_atlas *view, const json_t *then,
                          const json_t *now)
 {
-    size_t files = json_array_size(then);
-    size_t *match = calloc(files + 1, sizeof *match);
+    size_t *match = additions_match(then, now);
     out->now = calloc(out->then + 1, sizeof *out->now);
-    bool fine = match && out->now && additions_match(match, then, now) && match_own(out, then, now);
-    for (size_t i = 0; i < files && fine; i++) {
+    bool fine = match && out->now && match_own(out, then, now);
+    for (size_t i = 0; i < json_array_size(then) && fine; i++) {
         if (match[i] == SIZE_MAX) {
             continue;
         }
@@ -227,11 +226,9 @@ static size_t count_contexts(const json_t *added)
 
 static bool has_other_context(const json_t *then, const json_t *now)
 {
-    size_t files = json_array_size(then);
-    size_t *match = calloc(files + 1, sizeof *match);
+    size_t *match = additions_match(then, now);
     bool other = count_contexts(then) != count_contexts(now);
-    bool fine = match && additions_match(match, then, now);
-    for (size_t i = 0; i < files && fine; i++) {
+    for (size_t i = 0; i < json_array_size(then) && match; i++) {
         other = other || (is_context(json_array_get(then, i)) && match[i] == SIZE_MAX);
     }
     free(match);
@@ -390,10 +387,9 @@ bool session_keep_lost(json_t *root, const struct window *window)
     if (!count || !added) {
         return true;
     }
-    size_t *match = calloc(count, sizeof *match);
+    size_t *match = additions_match(entries, added);
     bool has_context = count_contexts(added) > 0;
-    bool fine = match && (numbers.now = calloc(numbers.then + 1, sizeof *numbers.now)) &&
-                additions_match(match, entries, added);
+    bool fine = match && (numbers.now = calloc(numbers.then + 1, sizeof *numbers.now));
     json_t *now = fine ? json_copy(added) : NULL;
     for (size_t i = 0; i < count && fine; i++) {
         const json_t *entry = json_array_get(entries, i);

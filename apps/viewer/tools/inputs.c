@@ -213,7 +213,8 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
     enum tool_number number = tool_moved_by(viewer, POINT_BY_MOUSE);
     conus_pose pose;
     if (number < TOOL_COUNT && !viewer->tools[number].held && point_find(&pose, viewer, eye, direction)) {
-        pushed_put(&inputs->devices.mouse, &pose);
+        inputs->devices.mouse.pose = pose;
+        inputs->devices.mouse.is_new = true;
         move_by_source(inputs, viewer, number, 1e-3 * clock_ms());
         tool_update_second(viewer);
     }
@@ -358,18 +359,6 @@ double replay_time(const struct replay *replay, size_t index)
     return isfinite(time - first) ? time - first : default_step_s * (double)index;
 }
 
-/* Moves the first tool to a row, with its angle or radius if it has one. */
-static void aim_at(struct viewer *viewer, const conus_pose_row *row)
-{
-    if (!isnan(row->radius)) {
-        viewer->cone.options.radius = row->radius;
-    }
-    if (row->angle > 0 && viewer->cone.options.radius == 0) {
-        viewer->tools[FIRST_TOOL].angle = row->angle;
-    }
-    (row->is_point ? tool_aim_point : tool_aim)(viewer, FIRST_TOOL, &row->pose);
-}
-
 void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
 {
     const conus_pose_row *row = conus_pose_list_row(replay->poses, index);
@@ -378,51 +367,10 @@ void replay_show(struct replay *replay, struct viewer *viewer, size_t index)
         viewer_say(viewer, "line %zu: %s", row->line, row->error);
         return;
     }
-    aim_at(viewer, row);
+    points_aim(viewer, row);
     if (row->trigger) {
         tool_confirm(viewer, FIRST_TOOL);
     }
-}
-
-/* The depths of a row, as conus query has them, in a list whose rows have some: a needle of it ends. Those of the tool
- * in others. */
-static void find_depths(double range[2], const struct viewer *viewer, const conus_pose_row *row)
-{
-    bool has_depths = false;
-    for (size_t i = 0; i < conus_pose_list_count(viewer->points.poses) && !has_depths; i++) {
-        has_depths = isfinite(conus_pose_list_row(viewer->points.poses, i)->range[1]);
-    }
-    memcpy(range, viewer->cone.options.range, 2 * sizeof *range);
-    if (has_depths) {
-        range[0] = row && isfinite(row->range[0]) ? row->range[0] : 0;
-        range[1] = row && isfinite(row->range[1]) ? row->range[1] : viewer->plan.depth;
-    }
-}
-
-void points_choose(struct viewer *viewer, uint32_t row)
-{
-    const conus_pose_row *of = row ? conus_pose_list_row(viewer->points.poses, row - 1) : NULL;
-    if (of && of->error) {
-        viewer_say(viewer, "line %zu: %s", of->line, of->error);
-        return;
-    }
-    double range[2];
-    find_depths(range, viewer, of);
-    const double *had = viewer->cone.options.range;
-    if ((range[0] != had[0] || range[1] != had[1]) &&
-        !query_set_range(viewer, range[0], range[1])) { /* which says why not */
-        return;
-    }
-    tool_choose(viewer, FIRST_TOOL, of ? POINT_BY_REPLAY : POINT_BY_MOUSE);
-    viewer->chosen_point = of ? row : 0;
-    if (!of) {
-        tool_clear(viewer);
-        return;
-    }
-    aim_at(viewer, of);
-    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
-    const bool has_contact = best && best->object && best->pixels;
-    viewer_cross(viewer, has_contact ? best->contact : of->pose.world_from_device + 12);
 }
 
 void replay_toggle(struct replay *replay, double clock)

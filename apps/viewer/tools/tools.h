@@ -33,10 +33,6 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 /** Seconds until the replay shows another row; INFINITY while it does not play. */
 double replay_idle_s(const struct replay *replay, const struct viewer *viewer, double clock);
 
-/** Chooses a row by its number from 1: the tool goes there, and the crosshair to what it hits, or there; 0 = none, and
- * the mouse points again. The status line says where a row has an error. */
-void points_choose(struct viewer *viewer, uint32_t row);
-
 enum { TRACKER_ADDRESS = 256 };
 
 struct inputs {

@@ -845,8 +845,7 @@ void ui_draw_image(uint32_t texture, struct ui_box box)
 {
     ImDrawList *list = ImGui::GetWindowDrawList();
     list->AddCallback(stop_blending, nullptr);
-    list->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), ImVec2(box.x, box.y),
-                   ImVec2(box.x + box.width, box.y + box.height));
+    ui_draw_overlay(texture, box);
     list->AddCallback(blend_again, nullptr);
 }
 

@@ -151,7 +151,8 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     view.mark_count = marks->count;
     figure_view(&view, settings);
     view.legend = view.no_cone ? CONUS_LEGEND_NONE : view.legend; /* of no question */
-    appearance_set(&view, &viewer->drawn->appearance);
+    view.opacity = viewer->drawn->appearance.opacity;
+    view.pale = view.opacity[0];
     view.own_colours = viewer->display.own_colours;
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
         *refusal = "a tracked head's view has no room for a legend beside it: choose auto, below or none";

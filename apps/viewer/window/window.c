@@ -292,9 +292,10 @@ bool window_find_display(void)
 
 bool window_open(struct window *out, const struct window_options *options)
 {
-    struct window window = {.screen = {.enlarged = -1, .layout = options->place.layout}, .start.on = true};
+    struct window window = {.screen = {.enlarged = -1, .layout = options->place.layout},
+                            .sheet = {.pixels = {1400, 1050}, .mm = {85, 64}}, /* as conus render has it */
+                            .start.on = true};
     devices_init(&window.inputs.devices);
-    sheet_init(&window.sheet);
     system_alarm(patience_s, give_up);
     window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
@@ -354,7 +355,7 @@ void window_close(struct window *window)
 {
     pictures_drop(&window->pictures);
     window_history_finish(&window->history);
-    devices_finish(&window->inputs.devices);
+    spacemouse_finish(&window->inputs.devices.spacemouse);
     open_request_finish(&window->files.requested);
     open_request_finish(&window->files.asked);
     free(window->files.session_waits);
@@ -498,19 +499,17 @@ void pictures_note_late(struct pictures *pictures, double now)
     pictures->says_late = is_late && now >= pictures->late_at;
 }
 
-/* Whether the next frame has to say that the picture is of an answer from before. */
-static bool becomes_late(const struct window *window, double now)
-{
-    return window->pictures.late_at > 0 && !window->pictures.says_late && now >= window->pictures.late_at;
-}
-
 bool window_needs_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
+    const struct pictures *pictures = &window->pictures;
     bool update = viewer && viewer->painter && painter_has_update(viewer->painter);
     update = (window->start.painted && painter_has_update(window->start.painted->painter)) || update;
-    bool rests = window->pictures.moving && clock_ms() >= window->pictures.moving_until;
-    return update || rests || becomes_late(window, clock_ms()) || is_behind(window);
+    const double now = clock_ms();
+    bool rests = pictures->moving && now >= pictures->moving_until;
+    bool becomes_late =
+        pictures->late_at > 0 && !pictures->says_late && now >= pictures->late_at; /* and is to say so */
+    return update || rests || becomes_late || is_behind(window);
 }
 
 double window_idle_s(const struct window *window)
@@ -616,18 +615,15 @@ void open_request_finish(struct open_request *request)
 
 void window_request_files(struct window *window, size_t count, const char *const *paths)
 {
-    bool fine = true;
-    open_request_finish(&window->files.requested);
-    window->files.requested.paths = calloc(count + 1, sizeof *window->files.requested.paths);
-    for (size_t i = 0; i < count && fine; i++) {
-        char *path = window->files.requested.paths ? strdup(paths[i]) : NULL;
-        fine = path;
-        if (fine) {
-            window->files.requested.paths[window->files.requested.count++] = path;
-        }
+    struct open_request *request = &window->files.requested;
+    open_request_finish(request);
+    request->paths = calloc(count + 1, sizeof *request->paths);
+    while (request->paths && request->count < count &&
+           (request->paths[request->count] = strdup(paths[request->count]))) {
+        request->count++;
     }
-    if (!fine) {
-        open_request_finish(&window->files.requested);
+    if (request->count < count) {
+        open_request_finish(request);
         window_say(window, "not enough memory");
     }
 }
