@@ -21,6 +21,7 @@ process.on("exit", () => fs.rmSync(folder, { recursive: true }));
 const conus = (...words) => execFileSync(process.env.CONUS, words, { cwd: folder, encoding: "utf8" });
 conus("phantom", "nested", "-o", ".", "--size", "24");
 conus("phantom", "slabs", "-o", ".");
+conus("phantom", "tubes", "-o", ".", "--oblique", "30"); // of which clang's SLP vectorizer loses voxels
 const templates = process.env.CONUS_TEMPLATES ?? "/usr/share/mricron/templates";
 const aal = fs.existsSync(`${templates}/aal.nii.gz`);
 const taken = (...names) => Object.fromEntries(names.map((name) => [name, fs.readFileSync(path.join(aal && name.startsWith("aal") ? templates : folder, name))]));
