@@ -582,8 +582,8 @@ def _weight_columns(weight: Optional[str], score: Optional[str], prior: Optional
 
 
 #: The numbers of its options.
-_NUMBERS: dict[str, Callable[[str, Any], float]] = {
-    name: {"double": real, "uint32_t": whole}[field.type.cname]
+_NUMBERS: dict[str, Any] = {
+    name: real if field.type.cname == "double" else whole
     for name, field in ffi.typeof("conus_selector_options").fields
     if field.type.cname in ("double", "uint32_t")
 }

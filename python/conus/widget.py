@@ -42,7 +42,7 @@ def _parts(fragment: str) -> dict[str, str]:
     return {name: value for name, value in pairs if name not in ("v", "cut")}
 
 
-class Widget(anywidget.AnyWidget):
+class Widget(anywidget.AnyWidget):  # type: ignore[misc]
     """The page of ``hits.to_html()``, whose cone is moved by hand and by :meth:`ask`.
 
     >>> shown = conus.widget.Widget(atlas.select(origin=(-90, 20, 20), toward=(0, -10, 10)))  # doctest: +SKIP
