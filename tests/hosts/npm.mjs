@@ -70,7 +70,7 @@ test("what nobody said is as conus query has it, and settings are rows of option
   await refused(/^layers=all&resolution: a number, a word/, { ...cone, "layers=all&resolution": 1 });
   await refused(/^resolution: "16.5" is not a whole/, { ...cone, resolution: 16.5 });
   for (const range of [[40], [40, 80, 90], [40, "80"], [40, NaN], [40, Infinity], [[40], 80]]) await refused(/^range: a number, a word or two/, { ...cone, range });
-  await refused(/^range: .*first.* below/, { ...cone, range: [80, 40] });
+  await refused(/^range: "80,40" is not two numbers, the lower one first/, { ...cone, range: [80, 40] });
   await refused(/^angle: "10,20" is not a number/, { ...cone, angle: [10, 20] });
   await refused(/^cut: rows have none/, { ...cone, cut: [0, 0, 0] });
   await refused(/^layers: "some" is none/, { ...cone, layers: "some" });
