@@ -26,6 +26,7 @@ static const struct option_group groups[] = {
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"With ATLAS: what the posteriors are", weight_options, REQUEST_FIELD(engine)},
     {"", angle_options, REQUEST_FIELD(aim)},
+    {"", ray_options, REQUEST_FIELD(engine.numbers)},
     {"", pixel_options, REQUEST_FIELD(engine)},
     {"", request_level_options, 0},
     {"With ATLAS: what can be hit", atlas_options, REQUEST_FIELD(atlas)},

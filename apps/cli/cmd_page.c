@@ -64,6 +64,7 @@ static const struct option_group groups[] = {
     {"Options", output_options, 0},
     {"", aim_of_page, 0},
     {"", page_question_options, offsetof(struct page_settings, question)},
+    {"", ray_options, offsetof(struct page_settings, question.selector)},
     {"", page_options, 0},
     {"", force_options, 0},
     {"", quiet_option, 0},
@@ -74,6 +75,7 @@ static const struct option_group groups[] = {
 const struct option_group page_view_groups[] = {
     {"Options", aim_of_page, 0},
     {"", page_question_options, offsetof(struct page_settings, question)},
+    {"", ray_options, offsetof(struct page_settings, question.selector)},
     {"", page_options, 0},
     {"", quiet_option, 0},
     {"", plain_options, offsetof(struct page_settings, common)},
@@ -445,6 +447,10 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     struct atlas_name context = {0};
     char *template = NULL;
     struct system_text text = {0};
+    const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
+    if (of_rays && !option_given(arguments, "origin")) {
+        return print_usage_error("--%s has no effect without --origin", of_rays->name);
+    }
     if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }

@@ -107,6 +107,7 @@ static const struct option_group groups[] = {
     {"Several needles together", needles_options, offsetof(struct plan_settings, needles)},
     {"", part_options, offsetof(struct plan_settings, needles)},
     {"Measures of the cone", angle_options, REQUEST_FIELD(aim)},
+    {"", ray_options, REQUEST_FIELD(engine.numbers)},
     {"", pixel_options, REQUEST_FIELD(engine)},
     {"What is listed", list_options, 0},
     {"", jitter_options, 0},

@@ -487,7 +487,8 @@ static const struct option_group groups[] = {
     {"", angle_options, offsetof(struct render_settings, aim)},
     {"", space_options, offsetof(struct render_settings, aim.space)},
     {"", shape_options, offsetof(struct render_settings, engine)},
-    {"How rays are traced", pixel_options, offsetof(struct render_settings, engine)},
+    {"How rays are traced", ray_options, offsetof(struct render_settings, engine.numbers)},
+    {"", pixel_options, offsetof(struct render_settings, engine)},
     {"", engine_options + 1, offsetof(struct render_settings, engine)}, /* --engine is above */
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
     {"", side_options, offsetof(struct render_settings, atlas)},
@@ -803,7 +804,7 @@ static conus_status make_selector(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     struct engine_settings engine = settings->engine;
-    engine.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
+    engine.numbers.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
     const conus_selector_options options = settings_engine(&engine, &settings->aim, &settings->common);
     conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
     return status ? status : conus_pose_check_create(&picture->aims, picture->selector);

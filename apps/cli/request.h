@@ -32,7 +32,8 @@ struct request_settings {
         "", shape_options, REQUEST_FIELD(engine)                                                                       \
     }
 #define REQUEST_ENGINE_GROUPS                                                                                          \
-    {"How rays are traced", pixel_options, REQUEST_FIELD(engine)}, {"", engine_options, REQUEST_FIELD(engine)},        \
+    {"How rays are traced", ray_options, REQUEST_FIELD(engine.numbers)}, {"", pixel_options, REQUEST_FIELD(engine)},   \
+        {"", engine_options, REQUEST_FIELD(engine)},                                                                   \
     {                                                                                                                  \
         "", slices_options, REQUEST_FIELD(engine)                                                                      \
     }

@@ -100,6 +100,11 @@ const struct option *option_at(const struct command *command, size_t index)
     return found_at(command, NULL, index).option;
 }
 
+void *option_field(const struct command *command, void *settings, size_t index)
+{
+    return found_at(command, settings, index).field;
+}
+
 const struct option *option_find(const struct command *command, const char *name)
 {
     return find_name(command, NULL, name, strlen(name)).option;

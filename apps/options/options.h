@@ -258,6 +258,8 @@ const struct command *command_of_operand(const struct command *const *family, co
 
 /** The command's option at @p index; NULL past the last. */
 const struct option *option_at(const struct command *command, size_t index);
+/** Its field in the command's settings. */
+void *option_field(const struct command *command, void *settings, size_t index);
 
 /** Whether the row of @p option says that it cannot stand beside @p other. */
 bool option_excludes(const struct option *option, const struct option *other);

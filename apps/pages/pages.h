@@ -31,14 +31,15 @@ json_t *pages_options(const struct command *command);
 /** What a page asks beside its two places; zero = the defaults. A row is an option of `conus page`, a field of the
  * page's form, a word of its links and of its command, and a setting of npm's load(). */
 struct page_question {
-    double angle;  /**< Full opening angle, degrees. */
-    size_t layers; /**< conus_layers */
-    uint32_t resolution;
-    double range[2]; /**< Nearest and farthest depth, mm; both 0 = all depths. */
+    conus_selector_options selector; /**< Its range, and numbers of ray_options. */
+    double angle;                    /**< Full opening angle, degrees. */
+    size_t layers;                   /**< conus_layers */
 };
 
 /** page_question: numbers, counts, ranges, choices and flags; a choice's default is its first. */
 extern const struct option page_question_options[];
+/** These and ray_options. */
+extern const struct command page_question_form;
 
 /** What the selector is told of it, and the angle. */
 conus_selector_options page_question_selector(const struct page_question *question);

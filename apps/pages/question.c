@@ -4,6 +4,7 @@
 #include "conus/selection.h"
 #include "options/messages.h"
 #include "pages/pages.h"
+#include "settings/settings.h"
 
 #include <string.h>
 
@@ -17,21 +18,20 @@ const struct option page_question_options[] = {
      .standard = OPTION_DIGITS(PAGE_ANGLE), OPTION_FROM_TO(0.001, 170), .needs = "origin", .common = true},
     {OPTION_VALUED("layers", struct page_question, layers, "LAYERS"),
      .help = "first hits, or all in the cone:", .choices = layer_names, .needs = "origin"},
-    {OPTION_VALUED("resolution", struct page_question, resolution, "N"),
-     .help = "rays along a side of the buffer, 1 to 256", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
-     OPTION_FROM_TO(1, 256), .needs = "origin"},
-    {OPTION_VALUED("range", struct page_question, range, "NEAR,FAR"),
+    {OPTION_VALUED("range", struct page_question, selector.range, "NEAR,FAR"),
      .help = "count only between these two depths along the axis, mm from the apex", OPTION_FROM_TO(0, 1e9),
      .needs = "origin", .unit = "mm"},
     {0},
 };
 
+static const struct option_group groups[] = {
+    {"", page_question_options, 0}, {"", ray_options, offsetof(struct page_question, selector)}, {0}};
+const struct command page_question_form = {.name = "page", .groups = groups};
+
 conus_selector_options page_question_selector(const struct page_question *question)
 {
-    conus_selector_options options = CONUS_SELECTOR_OPTIONS_INIT;
-    options.resolution = question->resolution ? question->resolution : CONUS_RESOLUTION_DEFAULT;
+    conus_selector_options options = question->selector;
     options.layers = (conus_layers)question->layers;
-    memcpy(options.range, question->range, sizeof options.range);
     return options;
 }
 
@@ -42,8 +42,9 @@ double page_question_angle(const struct page_question *question)
 
 void page_question_put(FILE *out, const struct page_question *question)
 {
-    for (const struct option *option = page_question_options; option->name; option++) {
-        const void *field = (const char *)question + option->offset;
+    const struct option *option;
+    for (size_t i = 0; (option = option_at(&page_question_form, i)); i++) {
+        const void *field = option_field(&page_question_form, (void *)question, i);
         const double *range = option->type == OPTION_RANGE ? field : (const double[2]){0};
         const double number = option->type == OPTION_NUMBER  ? *(const double *)field
                               : option->type == OPTION_COUNT ? *(const uint32_t *)field
@@ -68,17 +69,18 @@ bool page_question_read(struct page_question *out, const char *text)
         const size_t size = strcspn(rest, "&");
         snprintf(word, sizeof word, "%.*s", (int)(size < sizeof word ? size : sizeof word), rest);
         char *value = strchr(word, '=');
-        const struct option *option = page_question_options;
+        const struct option *option;
+        size_t i = 0;
         if (value) {
             *value++ = '\0';
         }
-        while (option->name && strcmp(option->name, word) != 0) {
-            option++;
+        while ((option = option_at(&page_question_form, i)) && strcmp(option->name, word) != 0) {
+            i++;
         }
-        if (size >= sizeof word || !value || !option->name) {
+        if (size >= sizeof word || !value || !option) {
             return refuse("%s: a page asks nothing of this name", word);
         }
-        if (!option_read(option, (char *)out + option->offset, value)) {
+        if (!option_read(option, option_field(&page_question_form, out, i), value)) {
             return false;
         }
         rest += size;

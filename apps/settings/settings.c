@@ -219,10 +219,14 @@ const struct option angle_options[] = {
     {0},
 };
 
-const struct option pixel_options[] = {
-    {OPTION_VALUED("resolution", struct engine_settings, resolution, "N"),
+const struct option ray_options[] = {
+    {OPTION_VALUED("resolution", conus_selector_options, resolution, "N"),
      .help = "trace N x N rays, one per pixel, N from 1 to 1024", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
      OPTION_FROM_TO(1, 1024), .words = "rays", .flags = OPTION_OF_RAYS},
+    {0},
+};
+
+const struct option pixel_options[] = {
     {OPTION_VALUED("aperture", struct engine_settings, aperture, "SHAPE"),
      .help = "pixels that count: those in the circle, or all:", .choices = apertures, .flags = OPTION_OF_RAYS},
     {0},
@@ -235,7 +239,7 @@ const struct option engine_options[] = {
     {OPTION_VALUED("sampling", struct engine_settings, sampling, "KIND"),
      .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
      .choices = samplings, .flags = OPTION_OF_RAYS},
-    {OPTION_VALUED("slice-fraction", struct engine_settings, slice_fraction, "F"),
+    {OPTION_VALUED("slice-fraction", struct engine_settings, numbers.slice_fraction, "F"),
      .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1; the "
              "paper takes a fifth",
      .standard = "0.2", OPTION_ABOVE_TO(0, 1), .flags = OPTION_OF_RAYS, .needs = "sampling=slices"},
@@ -287,7 +291,7 @@ const struct option weight_options[] = {
 };
 
 const struct option slices_options[] = {
-    {OPTION_VALUED("slices", struct engine_settings, slices, "N"),
+    {OPTION_VALUED("slices", struct engine_settings, numbers.slices, "N"),
      .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them",
      .otherwise = "sqrt(2) times the longest edge of the volume", OPTION_FROM_TO(1, 65536), .flags = OPTION_OF_RAYS,
      .needs = "sampling=slices"},
@@ -728,7 +732,7 @@ void settings_say_weight(const struct aim_settings *aim, const struct engine_set
     }
     const double sigma = conus_weight_sigma(settings->made);
     const double angle = settings_angle(aim, settings);
-    const uint32_t resolution = settings->resolution ? settings->resolution : CONUS_RESOLUTION_DEFAULT;
+    const uint32_t resolution = settings->numbers.resolution ? settings->numbers.resolution : CONUS_RESOLUTION_DEFAULT;
     const double pixels = sigma * resolution / angle;
     const bool is_cone = settings->radius == 0;
     const double own = is_cone ? conus_weight_angle(settings->made) : conus_weight_radius(settings->made);
@@ -804,22 +808,20 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
 conus_selector_options settings_engine(const struct engine_settings *settings, const struct aim_settings *aim,
                                        const struct common_settings *common)
 {
-    return (conus_selector_options){
-        .engine = (conus_engine)settings->engine,
-        .aperture = (conus_aperture)settings->aperture,
-        .sampling = (conus_sampling)settings->sampling,
-        .resolution = settings->resolution,
-        .slices = settings->slices,
-        .slice_fraction = settings->slice_fraction,
-        .layers = aim && aim->aperture > 0 ? CONUS_LAYERS_ALL : (conus_layers)settings->layers,
-        .range = {settings->range.to_target ? 0 : settings->range.ends[0], settings->range.ends[1]},
-        .radius = settings->radius,
-        .level = settings->level,
-        .score = settings->score,
-        .weight = settings->made,
-        .prior = settings->prior,
-        .log = common->verbose ? log_line : log_note_quiet,
-    };
+    conus_selector_options options = settings->numbers;
+    options.engine = (conus_engine)settings->engine;
+    options.aperture = (conus_aperture)settings->aperture;
+    options.sampling = (conus_sampling)settings->sampling;
+    options.layers = aim && aim->aperture > 0 ? CONUS_LAYERS_ALL : (conus_layers)settings->layers;
+    options.range[0] = settings->range.to_target ? 0 : settings->range.ends[0];
+    options.range[1] = settings->range.ends[1];
+    options.radius = settings->radius;
+    options.level = settings->level;
+    options.score = settings->score;
+    options.weight = settings->made;
+    options.prior = settings->prior;
+    options.log = common->verbose ? log_line : log_note_quiet;
+    return options;
 }
 
 void help_scores(FILE *out)

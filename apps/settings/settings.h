@@ -66,14 +66,13 @@ struct aim_settings {
 };
 
 struct engine_settings {
-    uint32_t resolution, slices;
+    conus_selector_options numbers; /* no program looks at more than these: resolution, slices, slice_fraction */
     size_t aperture, engine, sampling; /* conus_aperture, conus_engine, conus_sampling */
     const char *score;                 /* a name or formula; NULL = the default */
     size_t layers;                     /* conus_layers */
     const char *level;
     struct depth_range range;
-    double radius;         /* mm */
-    double slice_fraction; /* 0 = not given */
+    double radius; /* mm */
     const char *weight, *prior;
     conus_weight *made;   /* of `weight`, by settings_weight(); NULL = none */
     char *weight_file[2]; /* paths in both texts, likewise; NULL = it names none */
@@ -110,7 +109,8 @@ extern const struct option aim_options[];        /**< aim_settings: where from a
 extern const struct option beam_options[];       /**< aim_settings: --focus, --transducer */
 extern const struct option aperture_options[];   /**< aim_settings: --aperture-diameter, also of files */
 extern const struct option angle_options[];      /**< aim_settings: --angle */
-extern const struct option pixel_options[];      /**< engine_settings: --resolution, --aperture */
+extern const struct option ray_options[];        /**< conus_selector_options: numbers, those of a web page, too */
+extern const struct option pixel_options[];      /**< engine_settings: --aperture */
 extern const struct option engine_options[];     /**< engine_settings, without --slices and those */
 extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */
 extern const struct option weight_options[];     /**< engine_settings: --weight, --prior */

@@ -329,9 +329,7 @@ EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
 /* What a page asks, as rows of options: [{"name": "angle", "type": "number", ...}, ...] (conus help --json). */
 EMSCRIPTEN_KEEPALIVE const char *web_form(void)
 {
-    static const struct option_group groups[] = {{"", page_question_options, 0}, {0}};
-    static const struct command form = {.name = "page", .groups = groups};
-    json_t *rows = pages_options(&form);
+    json_t *rows = pages_options(&page_question_form);
     free(page.text);
     page.text = json_dumps(rows, JSON_REAL_PRECISION(9));
     json_decref(rows);
@@ -451,9 +449,9 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
         return say_words(error_line());
     }
     const double angle = page_question_angle(&question);
-    const double ends[2] = {question.range[0], question.range[1]};
+    const double ends[2] = {question.selector.range[0], question.selector.range[1]};
     const double *range = ends[1] > 0 ? ends : NULL;
-    question.range[0] = question.range[1] = 0;
+    question.selector.range[0] = question.selector.range[1] = 0;
     conus_status status =
         conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, NULL);
     if (is_step) {
@@ -672,7 +670,7 @@ static conus_status look(uint32_t side, const double eye[7])
         viewer->selector = NULL;
     }
     viewer->side = side;
-    conus_status status = prepare_selector(&viewer->selector, &(struct page_question){.resolution = side});
+    conus_status status = prepare_selector(&viewer->selector, &(struct page_question){.selector.resolution = side});
     status = status ? status : conus_pose_toward(&pose, eye, eye + 3, up);
     status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6]);
     if (status) {

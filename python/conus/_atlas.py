@@ -581,6 +581,14 @@ def _weight_columns(weight: Optional[str], score: Optional[str], prior: Optional
     return [] if weight is None else ["weight", "weight_error"] + ["posterior"] * has_posterior
 
 
+#: The numbers of its options.
+_NUMBERS: dict[str, Any] = {
+    name: real if field.type.cname == "double" else whole
+    for name, field in ffi.typeof("conus_selector_options").fields
+    if field.type.cname in ("double", "uint32_t")
+}
+
+
 class Selector(Guarded):
     """An atlas made ready to answer, with options that hold for all its answers.
 
@@ -600,8 +608,8 @@ class Selector(Guarded):
         (nearest, farthest) depth along the axis, mm.
     radius
         mm: a cylinder instead of a cone.
-    level, score, aperture, sampling, slices, slice_fraction, engine
-        As the options of ``conus query``.
+    level, score, aperture, sampling, engine
+        As the options of ``conus query``, as are further ``numbers``: slices, slice_fraction.
     space
         "ras" or "lps" mm; "ccf", AP, DV, ML in micrometres of the Allen CCF; "bregma", AP, ML, DV in mm
         from bregma: of positions and directions, given and in hits and tables.
@@ -626,15 +634,18 @@ class Selector(Guarded):
         score: Optional[str] = None,
         aperture: str = "circle",
         sampling: str = "exact",
-        slices: int = 0,
-        slice_fraction: float = 0,
         engine: str = "auto",
         space: str = "ras",
         bregma: Any = None,
         weight: Optional[str] = None,
         prior: Optional[str] = None,
+        **numbers: float,
     ) -> None:
         options = ffi.new("conus_selector_options *")
+        for name, value in {**numbers, "resolution": resolution, "radius": radius}.items():
+            if name not in _NUMBERS:
+                raise TypeError(f"{name} is no keyword of a selector")
+            setattr(options, name, _NUMBERS[name](name, value))
         words = [optional(written, "level", level), optional(utf8, "score", score), optional(utf8, "prior", prior)]
         options.weight = self._weight = _weight_of(weight)
         by_depth = weight is not None and bool(lib.conus_weight_needs_layers(self._weight))
@@ -645,14 +656,12 @@ class Selector(Guarded):
         options.aperture = choice("aperture", aperture, ("circle", "square"))
         options.sampling = choice("sampling", sampling, ("exact", "slices"))
         options.engine = choice("engine", engine, ("auto", "rays", "gl"))
-        options.resolution, options.slices = whole("resolution", resolution), whole("slices", slices)
-        options.range, options.radius = vector("range", range, 2), real("radius", radius)
+        options.range = vector("range", range, 2)
         if weight is not None and options.radius == 0:
             own = lib.conus_weight_radius(self._weight)
             options.radius = 0 if math.isnan(own) else own
         if weight is not None and tuple(options.range) == (0, 0):
             lib.conus_weight_range(options.range, self._weight)
-        options.slice_fraction = real("slice_fraction", slice_fraction)
         options.level, options.score, options.prior = words
         self._weights = _weight_columns(weight, score, prior)
         self.space = space_of(atlas._p, space, bregma)

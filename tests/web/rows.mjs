@@ -17,6 +17,7 @@ const NDJSON = 4;
 
 const ROOT = path.resolve(import.meta.url.slice(7), "../../..");
 run("phantom", "brain", "-o", "brain");
+run("phantom", "tubes", "-o", "turned", "--oblique", "30"); // no row of voxels is along an axis of the world
 execFileSync("python3", [path.join(ROOT, "tests/cli/ccf.py")], { cwd: folder });
 const brain = JSON.parse(fs.readFileSync(path.join(folder, "brain/brain.atlas.json")));
 for (const part of ["areas", "pathways"]) fs.writeFileSync(path.join(folder, `brain/${part}.atlas.json`), JSON.stringify({ conus_atlas: 1, [part]: brain[part] }));
@@ -93,6 +94,7 @@ const KINDS = { // folder and atlas of each
   "surfaces of GIFTI alone": ["brain", "areas.atlas.json"],
   "a surface of GIFTI without a manifest": ["brain", "brain-04-SupR.surf.gii"],
   "probabilistic pathways alone": ["brain", "pathways.atlas.json"],
+  "areas on a turned grid": ["turned", "tubes.nii.gz"],
   "an FSL atlas of probabilities": ["prob", "prob.xml"],
   "a stack of TIFF on the Allen CCF's grid": ["globe", "annotation.tiff"],
 };

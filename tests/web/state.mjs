@@ -35,7 +35,7 @@ test("an empty link is the start, embed is a mode", () => {
 });
 
 for (const [link, words] of [["v=2", /version 2/], ["colour=red", /"colour"/], ["origin=1,2", /three numbers/], ["origin=1,2,x", /origin: x is not a number/], ["angle=0", /0.001 to 170/],
-  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["range=40", /two numbers/], ["range=40,40", /first below/], ["range=-1,40", /0 to/], ["resolution=16.5", /no whole number/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
+  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=1025", /1 to 1024/], ["range=40", /two numbers/], ["range=40,40", /first below/], ["range=-1,40", /0 to/], ["resolution=16.5", /no whole number/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
   ["angle=20&angle=30", /"angle" twice/], ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
   test(`#${link.slice(0, 30)} is refused`, () => assert.throws(() => fromFragment(`#${link}`), words));
 }

@@ -107,6 +107,7 @@ struct ask_settings {
 
 static const struct option_group groups[] = {
     {"", shape_options, offsetof(struct ask_settings, engine)},
+    {"", ray_options, offsetof(struct ask_settings, engine.numbers)},
     {"", pixel_options, offsetof(struct ask_settings, engine)},
     {"", engine_options, offsetof(struct ask_settings, engine)},
     {"", slices_options, offsetof(struct ask_settings, engine)},

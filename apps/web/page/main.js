@@ -55,7 +55,8 @@ let rows = [];
 let rowsText = ""; // of the same, as conus wrote them
 let rowsKey = "";
 let edition = 0; // of the atlas, its image and colours
-const isInside = location.protocol === "about:"; // of another page, which has the address
+const isInside = location.protocol === "about:"; // of another page, which has the address and all of this one's text
+let asked = 0; // the number of the newest question of that page
 
 // The worker: one message at a time
 
@@ -288,6 +289,7 @@ function draw() {
 
 async function answer() {
   const began = performance.now();
+  const said = { id: asked, fragment: toFragment(question, "") };
   again = false;
   busy = true;
   const isCut = (/** @type {any} */ { pane }) => pane instanceof Cut;
@@ -330,6 +332,7 @@ async function answer() {
     sayOfAnswer(unanswered);
   }
   busy = false;
+  if (isInside && !moving) parent.postMessage({ conus: { ...said, rows: rowsText, refused: unanswered } }, "*");
   if (again) answer();
   else if (!moving && !document.body.classList.contains("embed") && !isInside && !linked) {
     history.replaceState(null, "", unanswered ? location.pathname + location.search : `#${toFragment(question, identity())}`);
@@ -856,6 +859,17 @@ function savePoses() {
 
 // Start
 
+/** Takes a question from outside. @param {() => void} read */
+function takeQuestion(read) {
+  mend("");
+  try {
+    read();
+  } catch (error) {
+    refused = /** @type {Error} */ (error).message;
+  }
+  redraw();
+}
+
 function readLink() {
   const link = fromFragment(location.hash);
   question = link.question;
@@ -863,15 +877,16 @@ function readLink() {
   document.body.classList.toggle("embed", link.embed);
 }
 
-addEventListener("hashchange", () => {
-  mend("");
-  try {
-    readLink();
-    if (atlas) checkLink();
-  } catch (error) {
-    refused = /** @type {Error} */ (error).message;
-  }
-  redraw();
+addEventListener("hashchange", () => takeQuestion(() => {
+  readLink();
+  if (atlas) checkLink();
+}));
+
+// A notebook's cell asks by a link, and is told each answer (conus.widget).
+addEventListener("message", ({ source, data }) => {
+  if (!isInside || source !== parent || typeof data?.conus?.ask !== "string") return;
+  asked = data.conus.id;
+  takeQuestion(() => { question = fromFragment(data.conus.ask).question; });
 });
 
 /** Opens what is inside the page. Conus is compiled while its worker starts and the files are unpacked. */

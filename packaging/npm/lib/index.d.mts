@@ -16,6 +16,8 @@ export interface Question {
   layers?: "visible" | "all";
   /** Rays along a side, 1 to 256; default 64, as that of conus query. */
   resolution?: number;
+  /** Nearest and farthest depth along the axis, mm from the apex; default all. */
+  range?: readonly [near: number, far: number] | string;
   /** Other options of `conus page` that are no places, by their names. */
   [option: string]: unknown;
 }
@@ -67,6 +69,8 @@ export class Atlas {
   readonly low: Point;
   readonly high: Point;
   readonly objects: readonly AtlasObject[];
+  /** Of the last answer's areas, in its order, as pictures have them: "#rrggbb". */
+  readonly colours?: readonly string[];
   /** The rows of conus query for this cone; rejects with a ConusError. */
   select(question: Question): Promise<Row[]>;
   /** The last answer as text, or the JSON that describes it. */

@@ -28,12 +28,13 @@ function readPlace(name, p) {
   return place;
 }
 
-/** Options of conus page, which the worker joins to one text: numbers and words alone; undefined is what nobody said. */
+/** Options of conus page, which the worker joins to one text: numbers, words and [near, far]; undefined is what nobody said. */
 function readSettings({ cut, ...settings }) {
   if (cut !== undefined) throw new ConusError("cut: rows have none");
   const said = Object.entries(settings).filter(([, value]) => value !== undefined);
   for (const [name, value] of said) {
-    if (!/^[\w-]+$/.test(name) || typeof value !== "number" && !(typeof value === "string" && /^[\w.,+-]+$/.test(value))) throw new ConusError(`${name}: a number or a word is needed`);
+    const isPair = Array.isArray(value) && value.length === 2 && value.every(Number.isFinite);
+    if (!/^[\w-]+$/.test(name) || !isPair && typeof value !== "number" && !(typeof value === "string" && /^[\w.,+-]+$/.test(value))) throw new ConusError(`${name}: a number, a word or two numbers [a, b] are needed`);
   }
   return Object.fromEntries(said);
 }
@@ -93,8 +94,9 @@ export class Atlas {
     if (settings.angle === undefined) throw new ConusError("angle: how wide the cone is, in degrees, is needed");
     const question = { ...readSettings(settings), origin: readPlace("origin", origin), toward: readPlace("toward", toward) };
     this.#isRefused = false;
-    const { refused, rows } = await this.#ask("draw", { question, cuts: [], view: null, chosen: 0, given: [] });
+    const { refused, rows, colours } = await this.#ask("draw", { question, cuts: [], view: null, chosen: 0, given: [] });
     if (refused) throw new ConusError(plain(refused));
+    this.colours = colours;
     return rows.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
   }
 
