@@ -881,7 +881,7 @@ const struct option axis_options[] = {
      .choices = orders, .words = "sort"},
     {OPTION_VALUED("contacts", struct axis_settings, contacts, "COUNT,COLUMNS,PITCH,TIP"),
      .help = "for --format open-ephys of shanks: COUNT contacts, COLUMNS in a row, PITCH mm from row to row, the first "
-             "TIP mm from the tip",
+             "TIP mm from the tip; or an electrode of DIXI Medical or PMT, D08-10AM say (docs/commands.md)",
      .role = OPTION_ASKS},
     {0},
 };
