@@ -29,19 +29,24 @@ enum colours { COLOURS_OF_ANSWER, COLOURS_OF_FILE, COLOURS_SAFE };
 static const double RADIANS = 3.14159265358979323846 / 180;
 static const uint8_t neutral[3] = {LOOK_RGB(LOOK_NOT_HIT)};
 
+struct asker {
+    conus_selector *selector;
+    conus_weight *weight; /* that it has */
+};
+
 /* The page has one atlas, hence one of each. */
 static struct {
     conus_atlas *atlas;
-    conus_selector *selector; /* of the question */
+    struct asker asker; /* of the question */
     struct viewer {
-        conus_selector *selector;
+        struct asker asker;
         uint32_t side;
     } viewers[2];               /* of the 3-D view, all pixels' first hits: while it moves, and at rest */
     conus_cutter *cutters[3];   /* by the axis across: each keeps what it found in its plane */
     const conus_cutter *cut;    /* the last that drew */
     conus_selection *selection; /* the answer; NULL before the first */
     conus_selection *nothing;   /* in its place in cuts that have none: of a cone that hits nothing */
-    conus_selector *follower;   /* of steps of a track, and */
+    struct asker follower;      /* of steps of a track, and */
     conus_tracker *tracker;     /* ranks with those before */
     struct step {
         bool is_next; /* what is asked next is one */
@@ -51,7 +56,8 @@ static struct {
     enum colours colours;
     conus_report *report;
     struct page_question question; /* of which `selector` is, whatever angle and range, */
-    char *rays;                    /* as a link has it */
+    char *rays;                    /* as a link has it; */
+    char *words;                   /* its texts are in these */
     char *text;
     size_t text_size;
     uint8_t rgba[4 * SIDE_LIMIT * SIDE_LIMIT];
@@ -146,16 +152,22 @@ static const char *say_error(void)
     return say_words(conus_message());
 }
 
+static void forget_asker(struct asker *asker)
+{
+    conus_selector_destroy(asker->selector);
+    conus_weight_destroy(asker->weight);
+    *asker = (struct asker){0};
+}
+
 static void forget_question(void)
 {
     conus_report_destroy(page.report);
     conus_selection_destroy(page.selection);
     conus_selection_destroy(page.nothing);
-    conus_selector_destroy(page.selector);
+    forget_asker(&page.asker);
     page.report = NULL;
     page.selection = NULL;
     page.nothing = NULL;
-    page.selector = NULL;
 }
 
 static void forget_track(void)
@@ -164,9 +176,8 @@ static void forget_track(void)
         forget_question();
     }
     conus_tracker_destroy(page.tracker);
-    conus_selector_destroy(page.follower);
+    forget_asker(&page.follower);
     page.tracker = NULL;
-    page.follower = NULL;
 }
 
 /* And what else was made for the atlas as it was. */
@@ -175,8 +186,7 @@ static void forget_answers(void)
     forget_track();
     forget_question();
     for (size_t i = 0; i < 2; i++) {
-        conus_selector_destroy(page.viewers[i].selector);
-        page.viewers[i].selector = NULL;
+        forget_asker(&page.viewers[i].asker);
     }
     page.seen = 0;
     for (size_t i = 0; i < 3; i++) {
@@ -338,10 +348,20 @@ EMSCRIPTEN_KEEPALIVE const char *web_form(void)
     return text_or_error(page.text);
 }
 
-static conus_status prepare_selector(conus_selector **selector, const struct page_question *question)
+/* `score` is that of steps; NULL = the question's. */
+static conus_status prepare_asker(struct asker *asker, const struct page_question *question, const char *score)
 {
-    const conus_selector_options options = page_question_selector(question);
-    return *selector ? CONUS_OK : conus_selector_create(selector, page.atlas, &options);
+    conus_selector_options options;
+    conus_status status = asker->selector ? CONUS_OK : page_question_selector(&options, &asker->weight, question);
+    if (status || asker->selector) {
+        return status;
+    }
+    options.score = score ? score : options.score;
+    status = conus_selector_create(&asker->selector, page.atlas, &options);
+    if (status) {
+        forget_asker(asker);
+    }
+    return status;
 }
 
 /* mm along the cone's axis to the deepest hit; 0 where nothing is hit first. */
@@ -391,8 +411,8 @@ static void write_hits(FILE *out)
     fputs("]", out);
 }
 
-/* A selector is kept where only angle and range are others. */
-static void take_question(const struct page_question *question)
+/* A selector is kept where only angle and range are others. Takes `words`, too. */
+static void take_question(const struct page_question *question, char *words)
 {
     char *rays = NULL;
     size_t size;
@@ -405,7 +425,9 @@ static void take_question(const struct page_question *question)
         forget_question();
     }
     free(page.rays);
+    free(page.words);
     page.rays = rays;
+    page.words = words;
     page.question = *question;
 }
 
@@ -421,14 +443,12 @@ EMSCRIPTEN_KEEPALIVE void web_step(double time_s, bool trigger, bool begins)
 
 static conus_status answer_step(const struct page_question *question, const conus_pose *pose, const double *range)
 {
-    conus_selector_options options = page_question_selector(question);
-    options.score = "intenselect_plus";
-    conus_status status = page.follower ? CONUS_OK : conus_selector_create(&page.follower, page.atlas, &options);
-    status = status || page.tracker ? status : conus_tracker_create(&page.tracker, page.follower, NULL);
-    status = status ? status : conus_selector_set_range(page.follower, range);
+    conus_status status = prepare_asker(&page.follower, question, "intenselect_plus");
+    status = status || page.tracker ? status : conus_tracker_create(&page.tracker, page.follower.selector, NULL);
+    status = status ? status : conus_selector_set_range(page.follower.selector, range);
     return status ? status
                   : conus_tracker_step(&page.selection, page.tracker, page.step.time_s, pose,
-                                       page_question_angle(question), page.step.trigger);
+                                       page_question_angle(question, page.follower.weight), page.step.trigger);
 }
 
 /* Asks what is in a cone, as `settings` says: "angle=20&layers=all", of web_form(). {"depth": mm to the deepest hit, 0
@@ -444,13 +464,15 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
     page.step.is_next = false;
     conus_selection_destroy(page.selection);
     page.selection = NULL;
+    char *words = strdup(settings);
     messages_hold(true);
-    const bool is_read = page_question_read(&question, settings);
+    const bool is_read = words && page_question_read(&question, words);
     messages_hold(false);
     if (!is_read) {
-        return say_words(error_line());
+        free(words);
+        return words ? say_words(error_line()) : text_or_error(false);
     }
-    const double angle = page_question_angle(&question);
+    const double angle = question.angle;
     const double ends[2] = {question.range[0], question.range[1]};
     const double *range = ends[1] > 0 ? ends : NULL;
     question.range[0] = question.range[1] = 0;
@@ -458,12 +480,16 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
         conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, NULL);
     if (is_step) {
         status = status ? status : answer_step(&question, &pose, range);
+        free(words);
     } else {
         question.angle = 0;
-        take_question(&question);
-        status = status ? status : prepare_selector(&page.selector, &question);
-        status = status ? status : conus_selector_set_range(page.selector, range);
-        status = status ? status : conus_select(&page.selection, page.selector, &pose, angle);
+        take_question(&question, words);
+        status = status ? status : prepare_asker(&page.asker, &question, NULL);
+        question.angle = angle;
+        status = status ? status : conus_selector_set_range(page.asker.selector, range);
+        status = status ? status
+                        : conus_select(&page.selection, page.asker.selector, &pose,
+                                       page_question_angle(&question, page.asker.weight));
     }
     FILE *out = status ? NULL : begin_text();
     if (out) {
@@ -480,7 +506,7 @@ static conus_status write_report(const char *format)
     const conus_report_options options = {.format = format, .tracker = is_step ? page.tracker : NULL};
     conus_report_destroy(page.report);
     page.report = NULL;
-    conus_status status = conus_report_create(&page.report, is_step ? page.follower : page.selector, &options);
+    conus_status status = conus_report_create(&page.report, (is_step ? page.follower : page.asker).selector, &options);
     return status ? status : conus_report_add(page.report, "1", page.selection);
 }
 
@@ -512,9 +538,9 @@ static conus_status select_nothing(void)
     if (page.nothing) {
         return CONUS_OK;
     }
-    conus_status status = prepare_selector(&page.selector, &page.question);
+    conus_status status = prepare_asker(&page.asker, &page.question, NULL);
     status = status ? status : conus_pose_toward(&pose, far_away, farther, NULL);
-    return status ? status : conus_select(&page.nothing, page.selector, &pose, 1);
+    return status ? status : conus_select(&page.nothing, page.asker.selector, &pose, 1);
 }
 
 /* Draws a cut, without the cone: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
@@ -668,13 +694,12 @@ static conus_status look(uint32_t side, const double eye[7])
     }
     page.seen = 0;
     if (viewer->side != side) {
-        conus_selector_destroy(viewer->selector);
-        viewer->selector = NULL;
+        forget_asker(&viewer->asker);
     }
     viewer->side = side;
-    conus_status status = prepare_selector(&viewer->selector, &(struct page_question){.resolution = side});
+    conus_status status = prepare_asker(&viewer->asker, &(struct page_question){.resolution = side}, NULL);
     status = status ? status : conus_pose_toward(&pose, eye, eye + 3, up);
-    status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6]);
+    status = status ? status : conus_select(&selection, viewer->asker.selector, &pose, eye[6]);
     if (status) {
         return status;
     }

@@ -246,7 +246,7 @@ export class Headset {
     this.ball = null;
     while (this.isTrial && !this.ball && this.session) {
       const [from, to] = [apply(point(), this.back, this.eye), low.map((v, i) => v + Math.random() * (high[i] - v))];
-      const { contact } = await this.page.ask({ ...question, origin: this.tripleOf(from), toward: this.tripleOf(to), angle: 0.01, range: null, layers: "visible", resolution: 1, cut: null });
+      const { contact } = await this.page.ask({ ...question, weight: null, origin: this.tripleOf(from), toward: this.tripleOf(to), angle: 0.01, range: null, layers: "visible", resolution: 1, cut: null });
       this.ball = this.isTrial && contact ? this.tripleOf(contact) : null;
       this.ballSince = this.time;
     }
@@ -520,7 +520,7 @@ export class Headset {
     if (this.isTracked) {
       if (this.isBusy || this.isOld) return;
       this.isBusy = true;
-      this.answerTo(this.questionOf(numbers, false), this.time, this.trigger, [Number(this.seconds(this.time)), this.trigger, this.begins]);
+      this.answerTo({ ...this.questionOf(numbers, false), weight: null }, this.time, this.trigger, [Number(this.seconds(this.time)), this.trigger, this.begins]);
       this.trigger = this.begins = false;
       return;
     }
@@ -572,7 +572,7 @@ export class Headset {
     const { said, refused } = this.answer ?? {};
     const all = this.shown?.layers === "all" ? "all layers" : "first hits";
     const [from, to] = this.shown?.range ?? [0, NO_END];
-    const depths = to < NO_END ? `from ${Math.round(from)} to ${Math.round(to)} mm` : from ? `from ${Math.round(from)} mm` : "";
+    const depths = [this.shown?.weight && `posterior, ${this.shown.weight}`, to < NO_END ? `from ${Math.round(from)} to ${Math.round(to)} mm` : from ? `from ${Math.round(from)} mm` : ""].filter(Boolean).join(", ");
     const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
     const trial = `Trial ${(this.record.get("trials")?.length ?? 0) + 1}: aim at the ball, and press`;
     const track = `${this.answer?.selected || "Nothing"} is selected${this.confirmed && `; ${this.confirmed} was confirmed`}`;

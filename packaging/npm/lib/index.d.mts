@@ -16,6 +16,8 @@ export interface Question {
   layers?: "visible" | "all";
   /** Rays along a side, 1 to 256; default 64, as that of conus query. */
   resolution?: number;
+  /** "gauss=DEGREES": how far a hand is off; rows then have a posterior, and ranks by it. */
+  weight?: string;
   /** Other options of `conus page` that are no places, by their names. */
   [option: string]: unknown;
 }

@@ -33,7 +33,7 @@ function readSettings({ cut, ...settings }) {
   if (cut !== undefined) throw new ConusError("cut: rows have none");
   const said = Object.entries(settings).filter(([, value]) => value !== undefined);
   for (const [name, value] of said) {
-    if (!/^[\w-]+$/.test(name) || typeof value !== "number" && !(typeof value === "string" && /^[\w.,+-]+$/.test(value))) throw new ConusError(`${name}: a number or a word is needed`);
+    if (!/^[\w-]+$/.test(name) || typeof value !== "number" && !(typeof value === "string" && /^[\w.,=+-]+$/.test(value))) throw new ConusError(`${name}: a number or a word is needed`);
   }
   return Object.fromEntries(said);
 }
