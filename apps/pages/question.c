@@ -23,9 +23,10 @@ const struct option page_question_options[] = {
      .help = "count only between these two depths along the axis, mm from the apex", OPTION_FROM_TO(0, 1e9),
      .needs = "origin", .unit = "mm"},
     {OPTION_VALUED("weight", struct page_question, weight, "gauss=DEGREES"),
-     .help = "weigh the cone as a hand or tracker is off by so much about each of two axes, 0.01 to 20, and rank by the "
-             "probability that an object is meant, if each is meant as often; the cone opens to 8 times as much unless "
-             "--angle says otherwise",
+     .help =
+         "weigh the cone as a hand or tracker is off by so much about each of two axes, 0.01 to 20, and rank by the "
+         "probability that an object is meant, if each is meant as often; the cone opens to 8 times as much unless "
+         "--angle says otherwise",
      .words = "posterior, soft, Gaussian, uncertainty, pointing, VR", .role = OPTION_ASKS, .needs = "origin"},
     {0},
 };

@@ -90,7 +90,7 @@ worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
 function say(words, field) {
   const error = $("#error");
   $("[aria-describedby]")?.removeAttribute("aria-describedby");
-  if (words) (field?.closest("fieldset, .row") ?? $("#said")).after(error);
+  if (words) (field?.closest("fieldset, .row > label") ?? $("#said")).after(error);
   field?.setAttribute("aria-describedby", "error");
   error.textContent = words;
   error.hidden = !words;
@@ -386,8 +386,8 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
     const found = /^(origin|toward)(\d)$/.exec(field.name);
     if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(`${WORDS[/** @type {"origin"} */ (found[1])]} ${"xyz"[a]}`, field.value, MM) : v)));
     else if (row) question[row.name] = readRow(row, row.type === "flag" && !field.checked ? "" : field.value);
-    if (row?.name === "weight" && field.value && sigmaOf(question) > 0) question.angle = Math.min(170, 8 * sigmaOf(question)); // as conus query fills its cone
     else end = /** @type {any} */ (field.value);
+    if (row?.name === "weight" && field.value && sigmaOf(question) > 0) question.angle = Math.min(170, 8 * sigmaOf(question)); // as conus query fills its cone
     if (end === "toward" && field.name.startsWith("toward")) question.cut = null;
   });
 });
