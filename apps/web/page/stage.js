@@ -284,13 +284,13 @@ export class Stage {
   }
 
   /** The end of a cone, which is seen in the brain, too. @param {Float64Array} cone @param {Float32Array[]} colours */
-  putRim(cone, [seen, hidden]) {
+  putRim(cone, colours) {
     const { gl, shapes: { rim } } = this;
     times(this.model, this.clip, cone);
     gl.disable(gl.DEPTH_TEST);
-    this.put(this.model, rim, hidden);
+    this.put(this.model, rim, colours[1]);
     gl.enable(gl.DEPTH_TEST);
-    this.put(this.model, rim, seen);
+    this.put(this.model, rim, colours[0]);
   }
 
   /** @param {Float64Array} clip @param {{array: any, count: number}} shape @param {Float32Array | null} colour null: the panel's picture */
