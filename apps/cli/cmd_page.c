@@ -315,7 +315,9 @@ static int put_question(struct page *page)
     double o[3];
     double t[3];
     const struct page_settings *settings = page->settings;
-    const conus_selector_options options = page_question_selector(&settings->question);
+    struct page_question question = settings->question;
+    conus_selector_options options;
+    conus_weight *weight = NULL;
     const conus_report_options rows = {.format = "ndjson"};
     conus_pose pose;
     conus_selector *selector = NULL;
@@ -333,8 +335,10 @@ static int put_question(struct page *page)
         return code;
     }
     conus_status status = conus_pose_toward(&pose, o, t, NULL);
+    status = status ? status : page_question_selector(&options, &weight, &question);
+    question.angle = page_question_angle(&question, weight);
     status = status ? status : conus_selector_create(&selector, page->atlas, &options);
-    status = status ? status : conus_select(&selection, selector, &pose, page_question_angle(&settings->question));
+    status = status ? status : conus_select(&selection, selector, &pose, question.angle);
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);
@@ -344,7 +348,7 @@ static int put_question(struct page *page)
         if (system_text_open(&link)) {
             fprintf(link.stream, "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g", o[0], o[1], o[2], t[0], t[1],
                     t[2]);
-            page_question_put(link.stream, &settings->question);
+            page_question_put(link.stream, &question);
         }
         json_t *asked = system_text_close(&link) ? json_pack("{s:s, s:s, s:s}", "fragment", link.data, "version",
                                                              conus_version(), "rows", text)
@@ -365,6 +369,7 @@ static int put_question(struct page *page)
     conus_report_destroy(report);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
+    conus_weight_destroy(weight);
     return code;
 }
 
@@ -453,6 +458,9 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     }
     if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
+    }
+    if (!page_question_check(&settings.question)) {
+        return EXIT_USAGE;
     }
     int code = read_template(&template, settings.template, before);
     while (conus_inputs_at(page.seen)) {

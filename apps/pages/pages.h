@@ -34,20 +34,26 @@ struct page_question {
     conus_selector_options selector; /**< Its range, and numbers of ray_options. */
     double angle;                    /**< Full opening angle, degrees. */
     size_t layers;                   /**< conus_layers */
+    const char *weight; /**< "gauss=DEGREES": by which each object has a posterior, and ranks; NULL = none. */
 };
 
-/** page_question: numbers, counts, ranges, choices and flags; a choice's default is its first. */
+/** page_question: numbers, counts, ranges, choices, flags and texts; a choice's default is its first. */
 extern const struct option page_question_options[];
 /** These and ray_options. */
 extern const struct command page_question_form;
 
-/** What the selector is told of it, and the angle. */
-conus_selector_options page_question_selector(const struct page_question *question);
-double page_question_angle(const struct page_question *question);
+/** What the selector is told of it, and the weight in that, the caller's to destroy after the selector; NULL = none. */
+conus_status page_question_selector(conus_selector_options *out, conus_weight **weight,
+                                    const struct page_question *question);
+/** The angle that is asked, else that of the weight, else 20 degrees. */
+double page_question_angle(const struct page_question *question, const conus_weight *weight);
+/** Prints an error and returns false where a page does not take the weight. */
+bool page_question_check(const struct page_question *question);
 
 /** Writes "&angle=20&layers=visible&resolution=64", as links have it. */
 void page_question_put(FILE *out, const struct page_question *question);
-/** Reads such a text into @p out, which is zeroed. Prints an error and returns false where it says anything else. */
-bool page_question_read(struct page_question *out, const char *text);
+/** Reads such a text, in which texts of @p out then lie, into @p out, which is zeroed. Prints an error and returns
+ * false where it says anything else. */
+bool page_question_read(struct page_question *out, char *text);
 
 #endif

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #define PAGE_ANGLE 20
-enum { WORD_LIMIT = 64 };
 
 static const char *const layer_names[] = {"visible", "all", NULL};
 
@@ -21,6 +20,12 @@ const struct option page_question_options[] = {
     {OPTION_VALUED("range", struct page_question, selector.range, "NEAR,FAR"),
      .help = "count only between these two depths along the axis, mm from the apex", OPTION_FROM_TO(0, 1e9),
      .needs = "origin", .unit = "mm"},
+    {OPTION_VALUED("weight", struct page_question, weight, "gauss=DEGREES"),
+     .help =
+         "weigh the cone as a hand or tracker is off by so much about each of two axes, 0.01 to 20, and rank by the "
+         "probability that an object is meant, if each is meant as often; the cone opens to 8 times as much unless "
+         "--angle says otherwise",
+     .words = "posterior, soft, Gaussian, uncertainty, pointing, VR", .role = OPTION_ASKS, .needs = "origin"},
     {0},
 };
 
@@ -28,16 +33,40 @@ static const struct option_group groups[] = {
     {"", page_question_options, 0}, {"", ray_options, offsetof(struct page_question, selector)}, {0}};
 const struct command page_question_form = {.name = "page", .groups = groups};
 
-conus_selector_options page_question_selector(const struct page_question *question)
+conus_status page_question_selector(conus_selector_options *out, conus_weight **weight,
+                                    const struct page_question *question)
 {
     conus_selector_options options = question->selector;
     options.layers = (conus_layers)question->layers;
-    return options;
+    if (question->weight) {
+        conus_status status = conus_weight_create(weight, question->weight);
+        if (status) {
+            return status;
+        }
+        options.weight = *weight;
+        options.score = "posterior";
+    }
+    *out = options;
+    return CONUS_OK;
 }
 
-double page_question_angle(const struct page_question *question)
+double page_question_angle(const struct page_question *question, const conus_weight *weight)
 {
-    return question->angle > 0 ? question->angle : PAGE_ANGLE;
+    return question->angle > 0 ? question->angle : weight ? conus_weight_angle(weight) : PAGE_ANGLE;
+}
+
+bool page_question_check(const struct page_question *question)
+{
+    const char *text = question->weight;
+    conus_weight *weight = NULL;
+    if (text && (strncmp(text, "gauss=", 6) != 0 || text[6 + strspn(text + 6, "0123456789.")])) {
+        return refuse("--weight: \"%s\", a page takes gauss=DEGREES alone", text);
+    }
+    if (text && conus_weight_create(&weight, text)) {
+        return refuse("--weight: %s", conus_message());
+    }
+    conus_weight_destroy(weight);
+    return true;
 }
 
 void page_question_put(FILE *out, const struct page_question *question)
@@ -51,6 +80,7 @@ void page_question_put(FILE *out, const struct page_question *question)
                                                              : 0;
         const char *word = option->type == OPTION_CHOICE ? option_choice(option, *(const size_t *)field)
                            : option->type == OPTION_FLAG ? (*(const bool *)field ? "1" : NULL)
+                           : option->type == OPTION_TEXT ? *(const char *const *)field
                                                          : option_standard(option);
         if (number != 0) {
             fprintf(out, "&%s=%.17g", option->name, number);
@@ -62,12 +92,9 @@ void page_question_put(FILE *out, const struct page_question *question)
     }
 }
 
-bool page_question_read(struct page_question *out, const char *text)
+bool page_question_read(struct page_question *out, char *text)
 {
-    for (const char *rest = text + strspn(text, "&"); *rest; rest += strspn(rest, "&")) {
-        char word[WORD_LIMIT];
-        const size_t size = strcspn(rest, "&");
-        snprintf(word, sizeof word, "%.*s", (int)(size < sizeof word ? size : sizeof word), rest);
+    for (char *rest, *word = strtok_r(text, "&", &rest); word; word = strtok_r(NULL, "&", &rest)) {
         char *value = strchr(word, '=');
         const struct option *option;
         size_t i = 0;
@@ -77,13 +104,12 @@ bool page_question_read(struct page_question *out, const char *text)
         while ((option = option_at(&page_question_form, i)) && strcmp(option->name, word) != 0) {
             i++;
         }
-        if (size >= sizeof word || !value || !option) {
+        if (!value || !option) {
             return refuse("%s: a page asks nothing of this name", word);
         }
         if (!option_read(option, option_field(&page_question_form, out, i), value)) {
             return false;
         }
-        rest += size;
     }
-    return true;
+    return page_question_check(out);
 }

@@ -38,7 +38,7 @@ const rows = JSON.parse(conus.cwrap("web_form", "string", [])());
 const plain = (text) => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
 const fieldOf = ({ name, type, help, unit = "", choices = [] }) => {
   const field = type === "choice" ? `<select name="${name}">${choices.map((word) => `<option value="${word}">${word}</option>`).join("")}</select>`
-    : type === "flag" ? `<input type="checkbox" name="${name}" value="1">` : `<input name="${name}"${type === "range" ? "" : ' inputmode="decimal"'}>`;
+    : type === "flag" ? `<input type="checkbox" name="${name}" value="1">` : `<input name="${name}"${type === "range" || type === "text" ? "" : ' inputmode="decimal"'}>`;
   return `<label title="${plain(help.replace(/:$/, ""))}">${name[0].toUpperCase()}${name.slice(1).replaceAll("-", " ")} ${field} ${unit}</label>`;
 };
 const form = rows.map(fieldOf).join("\n");

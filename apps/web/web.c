@@ -21,6 +21,7 @@
 
 #pragma GCC diagnostic ignored "-Wmissing-prototypes" /* the page's JavaScript has no header to read */
 
+enum step { STEP = 1, STEP_PRESSED = 2, STEP_BEGINS = 4 };
 enum { SIDE_LIMIT = 512, COARSE_LIMIT = 128, REACH = 3 };
 
 /* Of all pictures and the table; the page's choice, in its order. */
@@ -29,31 +30,31 @@ enum colours { COLOURS_OF_ANSWER, COLOURS_OF_FILE, COLOURS_SAFE };
 static const double RADIANS = 3.14159265358979323846 / 180;
 static const uint8_t neutral[3] = {LOOK_RGB(LOOK_NOT_HIT)};
 
+struct asker {
+    conus_selector *selector;
+    conus_weight *weight; /* that it has */
+};
+
 /* The page has one atlas, hence one of each. */
 static struct {
     conus_atlas *atlas;
-    conus_selector *selector; /* of the question */
+    struct asker asker; /* of the question */
     struct viewer {
-        conus_selector *selector;
+        struct asker asker;
         uint32_t side;
     } viewers[2];               /* of the 3-D view, all pixels' first hits: while it moves, and at rest */
     conus_cutter *cutters[3];   /* by the axis across: each keeps what it found in its plane */
     const conus_cutter *cut;    /* the last that drew */
     conus_selection *selection; /* the answer; NULL before the first */
     conus_selection *nothing;   /* in its place in cuts that have none: of a cone that hits nothing */
-    conus_selector *follower;   /* of steps of a track, and */
+    struct asker follower;      /* of steps of a track, and */
     conus_tracker *tracker;     /* ranks with those before */
-    struct step {
-        bool is_next; /* what is asked next is one */
-        bool trigger;
-        double time_s;
-    } step;
     enum colours colours;
     conus_report *report;
     struct page_question question; /* of which `selector` is, whatever angle and range, */
-    char *rays;                    /* as a link has it */
+    char *rays;                    /* as a link has it; */
+    char *words;                   /* its texts are in these */
     char *text;
-    size_t text_size;
     uint8_t rgba[4 * SIDE_LIMIT * SIDE_LIMIT];
     uint32_t objects[SIDE_LIMIT * SIDE_LIMIT];
     float distances[SIDE_LIMIT * SIDE_LIMIT];
@@ -94,51 +95,18 @@ void *calloc(size_t count, size_t size)
 }
 #endif
 
-static FILE *begin_text(void)
+/* As text, and ends it. */
+static const char *say(json_t *root)
 {
     free(page.text);
-    page.text = NULL;
-    return open_memstream(&page.text, &page.text_size);
-}
-
-static const char *text_or_error(bool is_whole)
-{
-    return is_whole ? page.text : "{\"error\": \"no memory\"}";
-}
-
-static const char *end_text(FILE *out)
-{
-    return text_or_error(out && !fclose(out));
-}
-
-/* And the quote that ends it. */
-static void write_rest_of_string(FILE *out, const char *text)
-{
-    for (; *text; text++) {
-        if ((unsigned char)*text < ' ' || *text == '"' || *text == '\\') {
-            fprintf(out, "\\u%04x", (unsigned)*text);
-        } else {
-            fputc(*text, out);
-        }
-    }
-    fputc('"', out);
-}
-
-static void write_string(FILE *out, const char *text)
-{
-    fputc('"', out);
-    write_rest_of_string(out, text);
+    page.text = root ? json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
+    json_decref(root);
+    return page.text ? page.text : "{\"error\": \"no memory\"}";
 }
 
 static const char *say_words(const char *words)
 {
-    FILE *out = begin_text();
-    if (out) {
-        fputs("{\"error\": ", out);
-        write_string(out, words);
-        fputc('}', out);
-    }
-    return end_text(out);
+    return say(json_pack("{s:s}", "error", words));
 }
 
 static const char *say_error(void)
@@ -146,16 +114,22 @@ static const char *say_error(void)
     return say_words(conus_message());
 }
 
+static void forget_asker(struct asker *asker)
+{
+    conus_selector_destroy(asker->selector);
+    conus_weight_destroy(asker->weight);
+    *asker = (struct asker){0};
+}
+
 static void forget_question(void)
 {
     conus_report_destroy(page.report);
     conus_selection_destroy(page.selection);
     conus_selection_destroy(page.nothing);
-    conus_selector_destroy(page.selector);
+    forget_asker(&page.asker);
     page.report = NULL;
     page.selection = NULL;
     page.nothing = NULL;
-    page.selector = NULL;
 }
 
 static void forget_track(void)
@@ -164,9 +138,8 @@ static void forget_track(void)
         forget_question();
     }
     conus_tracker_destroy(page.tracker);
-    conus_selector_destroy(page.follower);
+    forget_asker(&page.follower);
     page.tracker = NULL;
-    page.follower = NULL;
 }
 
 /* And what else was made for the atlas as it was. */
@@ -175,8 +148,7 @@ static void forget_answers(void)
     forget_track();
     forget_question();
     for (size_t i = 0; i < 2; i++) {
-        conus_selector_destroy(page.viewers[i].selector);
-        page.viewers[i].selector = NULL;
+        forget_asker(&page.viewers[i].asker);
     }
     page.seen = 0;
     for (size_t i = 0; i < 3; i++) {
@@ -187,34 +159,28 @@ static void forget_answers(void)
 }
 
 /* Those that are warnings, or all others. */
-static void write_notes(FILE *out, const char *key, bool warn)
+static json_t *notes_of(bool warn)
 {
-    const char *before = "";
-    fprintf(out, ", \"%s\": [", key);
+    json_t *notes = json_array();
     for (size_t i = 0; i < conus_atlas_note_count(page.atlas); i++) {
         if ((conus_atlas_note_severity(page.atlas, i) == CONUS_SEVERITY_WARNING) == warn) {
-            fputs(before, out);
-            write_string(out, conus_atlas_note(page.atlas, i));
-            before = ", ";
+            json_array_append_new(notes, json_string(conus_atlas_note(page.atlas, i)));
         }
     }
-    fputs("]", out);
+    return notes;
 }
 
-/* Which published atlas it is, and its reference; nothing of another. */
-static void write_identity(FILE *out)
+/* Of the grey of the last image; NULL where there is none. */
+static json_t *window_of_image(void)
 {
-    const conus_atlas_identity_view identity = conus_atlas_identity(page.atlas);
-    const conus_atlas_facts *facts = identity.facts;
-    if (facts) {
-        char words[128];
-        snprintf(words, sizeof words, identity.is_verified ? "%s, %s, on %s" : "%s by its names; its voxels are others",
-                 facts->name, facts->edition, facts->space);
-        fputs(", \"identity\": ", out);
-        write_string(out, words);
-        fputs(", \"reference\": ", out);
-        write_string(out, facts->reference);
+    double window[2];
+    for (size_t i = conus_atlas_volume_count(page.atlas); i-- > 0;) {
+        if (conus_atlas_volume(page.atlas, i)->role == CONUS_ROLE_CONTEXT &&
+            !conus_atlas_window(window, page.atlas, i)) {
+            return json_pack("[ff]", window[0], window[1]);
+        }
     }
+    return NULL;
 }
 
 /* Whether an area has voxels of labels or a surface, or there is a bundle. */
@@ -243,34 +209,22 @@ static const char *describe_atlas(void)
     if (conus_atlas_bounds(low, high, page.atlas)) {
         return say_error();
     }
-    FILE *out = begin_text();
-    if (!out) {
-        return end_text(out);
+    char words[128];
+    const conus_atlas_identity_view identity = conus_atlas_identity(page.atlas);
+    const conus_atlas_facts *facts = identity.facts; /* which published atlas it is; NULL of another */
+    if (facts) {
+        snprintf(words, sizeof words, identity.is_verified ? "%s, %s, on %s" : "%s by its names; its voxels are others",
+                 facts->name, facts->edition, facts->space);
     }
-    fputs("{\"name\": ", out);
-    write_string(out, strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
-    fprintf(out, ", \"sha256\": \"%s\", \"transform\": ", first ? first->sha256 : "");
-    write_string(out, first ? first->transform : "");
-    fputs(", \"source\": ", out);
     const char *source = conus_atlas_label_source(page.atlas);
-    write_string(out, source ? source : "");
-    fprintf(out,
-            ", \"objects\": %zu, \"low\": [%.9g, %.9g, %.9g], \"high\": [%.9g, %.9g, %.9g], \"solid\": %d, "
-            "\"version\": \"%s\"",
-            conus_atlas_object_count(page.atlas), low[0], low[1], low[2], high[0], high[1], high[2], is_solid(),
-            conus_version());
-    for (size_t i = 0; i < conus_atlas_volume_count(page.atlas); i++) {
-        double window[2];
-        if (conus_atlas_volume(page.atlas, i)->role == CONUS_ROLE_CONTEXT &&
-            !conus_atlas_window(window, page.atlas, i)) {
-            fprintf(out, ", \"window\": [%.9g, %.9g]", window[0], window[1]);
-        }
-    }
-    write_identity(out);
-    write_notes(out, "notes", false);
-    write_notes(out, "warnings", true);
-    fputs("}", out);
-    return end_text(out);
+    const char *slash = strrchr(path, '/');
+    return say(json_pack("{s:s, s:s, s:s, s:s, s:I, s:[fff], s:[fff], s:b, s:s, s:o*, s:s*, s:s*, s:o, s:o}", "name",
+                         slash ? slash + 1 : path, "sha256", first ? first->sha256 : "", "transform",
+                         first ? first->transform : "", "source", source ? source : "", "objects",
+                         (json_int_t)conus_atlas_object_count(page.atlas), "low", low[0], low[1], low[2], "high",
+                         high[0], high[1], high[2], "solid", is_solid(), "version", conus_version(), "window",
+                         window_of_image(), "identity", facts ? words : NULL, "reference",
+                         facts ? facts->reference : NULL, "notes", notes_of(false), "warnings", notes_of(true)));
 }
 
 /* Opens an atlas in place of that which is open; after an error that stays. */
@@ -307,39 +261,40 @@ EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
     const bool exchanged = conus_atlas_exchanged(page.atlas);
     char *sides = malloc(count + 1);
     const char **prefixes = malloc((count + 1) * sizeof *prefixes);
-    FILE *out =
-        sides && prefixes && !conus_atlas_sides(sides, page.atlas) && !conus_atlas_prefixes(prefixes, page.atlas)
-            ? begin_text()
-            : NULL;
-    for (size_t i = 1; out && i <= count; i++) {
+    const bool are_known =
+        sides && prefixes && !conus_atlas_sides(sides, page.atlas) && !conus_atlas_prefixes(prefixes, page.atlas);
+    json_t *objects = are_known ? json_array() : NULL;
+    for (size_t i = 1; objects && i <= count; i++) {
         const conus_object *object = conus_atlas_object(page.atlas, i);
-        fprintf(out, "%s[\"%s%s", i > 1 ? ", " : "[", prefixes[i], prefixes[i][0] ? " " : "");
-        write_rest_of_string(out, object->name);
-        fprintf(out, ", %d, %d, %d, \"%.1s\"]", object->rgb[0], object->rgb[1], object->rgb[2],
-                exchanged ? "" : sides + i);
-    }
-    if (out) {
-        fputs(count ? "]" : "[]", out);
+        json_array_append_new(
+            objects, json_pack("[oiiis#]", json_sprintf("%s%s%s", prefixes[i], *prefixes[i] ? " " : "", object->name),
+                               object->rgb[0], object->rgb[1], object->rgb[2], &sides[i], !exchanged && sides[i]));
     }
     free(sides);
     free(prefixes);
-    return end_text(out);
+    return say(objects);
 }
 
 /* What a page asks, as rows of options: [{"name": "angle", "type": "number", ...}, ...] (conus help --json). */
 EMSCRIPTEN_KEEPALIVE const char *web_form(void)
 {
-    json_t *rows = pages_options(&page_question_form);
-    free(page.text);
-    page.text = json_dumps(rows, JSON_REAL_PRECISION(9));
-    json_decref(rows);
-    return text_or_error(page.text);
+    return say(pages_options(&page_question_form));
 }
 
-static conus_status prepare_selector(conus_selector **selector, const struct page_question *question)
+/* `score` is that of steps; NULL = the question's. */
+static conus_status prepare_asker(struct asker *asker, const struct page_question *question, const char *score)
 {
-    const conus_selector_options options = page_question_selector(question);
-    return *selector ? CONUS_OK : conus_selector_create(selector, page.atlas, &options);
+    conus_selector_options options;
+    conus_status status = asker->selector ? CONUS_OK : page_question_selector(&options, &asker->weight, question);
+    if (status || asker->selector) {
+        return status;
+    }
+    options.score = score ? score : options.score;
+    status = conus_selector_create(&asker->selector, page.atlas, &options);
+    if (status) {
+        forget_asker(asker);
+    }
+    return status;
 }
 
 /* mm along the cone's axis to the deepest hit; 0 where nothing is hit first. */
@@ -367,30 +322,25 @@ static size_t colour_hit(uint8_t rgb[3], uint32_t object)
     return rank;
 }
 
-/* The objects that are hit, their places among the colours, and the colours. */
-static void write_hits(FILE *out)
+/* `depth`, the objects that are hit, their places among the colours, and the colours. */
+static const char *say_hits(double depth)
 {
-    static const char *const heads[] = {"\"hits\": [", "], \"ranks\": [", "], \"colours\": ["};
-    for (int list = 0; list < 3; list++) {
-        const char *before = heads[list];
-        size_t left = conus_selection_count(page.selection);
-        for (const conus_result *result = conus_selection_result(page.selection, 0); left; left--, result++) {
-            uint8_t rgb[3];
-            const size_t rank = colour_hit(rgb, result->object);
-            if (result->object && list < 2) {
-                fprintf(out, "%s%zu", before, list ? rank : (size_t)result->object);
-            } else if (result->object) {
-                fprintf(out, "%s\"#%02x%02x%02x\"", before, rgb[0], rgb[1], rgb[2]);
-            }
-            before = result->object ? ", " : before;
+    json_t *lists[3] = {json_array(), json_array(), json_array()};
+    for (size_t i = 0; i < conus_selection_count(page.selection); i++) {
+        const uint32_t object = conus_selection_result(page.selection, i)->object;
+        uint8_t rgb[3];
+        if (object) {
+            json_array_append_new(lists[1], json_integer((json_int_t)colour_hit(rgb, object)));
+            json_array_append_new(lists[0], json_integer(object));
+            json_array_append_new(lists[2], json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
         }
-        fputs(before == heads[list] ? before : "", out);
     }
-    fputs("]", out);
+    return say(
+        json_pack("{s:f, s:o, s:o, s:o}", "depth", depth, "hits", lists[0], "ranks", lists[1], "colours", lists[2]));
 }
 
-/* A selector is kept where only angle and range are others. */
-static void take_question(const struct page_question *question)
+/* A selector is kept where only angle and range are others. Takes `words`, too. */
+static void take_question(const struct page_question *question, char *words)
 {
     char *rays = NULL;
     size_t size;
@@ -403,73 +353,68 @@ static void take_question(const struct page_question *question)
         forget_question();
     }
     free(page.rays);
+    free(page.words);
     page.rays = rays;
+    page.words = words;
     page.question = *question;
 }
 
-/* What is asked next is a step of a track, the first one where it begins; its rows are those of conus track with
- * --score intenselect_plus. A step with another one's settings is asked with those of the first. */
-EMSCRIPTEN_KEEPALIVE void web_step(double time_s, bool trigger, bool begins)
+/* A step of a track, the first one where it begins; its rows are those of conus track with --score intenselect_plus. A
+ * step with another one's settings is asked with those of the first. */
+static conus_status answer_step(const struct page_question *question, const conus_pose *pose, const double *range,
+                                unsigned step, double time_s)
 {
-    if (begins) {
+    if (step & STEP_BEGINS) {
         forget_track();
     }
-    page.step = (struct step){.is_next = true, .trigger = trigger, .time_s = time_s};
-}
-
-static conus_status answer_step(const struct page_question *question, const conus_pose *pose, const double *range)
-{
-    conus_selector_options options = page_question_selector(question);
-    options.score = "intenselect_plus";
-    conus_status status = page.follower ? CONUS_OK : conus_selector_create(&page.follower, page.atlas, &options);
-    status = status || page.tracker ? status : conus_tracker_create(&page.tracker, page.follower, NULL);
-    status = status ? status : conus_selector_set_range(page.follower, range);
+    conus_status status = prepare_asker(&page.follower, question, "intenselect_plus");
+    status = status || page.tracker ? status : conus_tracker_create(&page.tracker, page.follower.selector, NULL);
+    status = status ? status : conus_selector_set_range(page.follower.selector, range);
     return status ? status
-                  : conus_tracker_step(&page.selection, page.tracker, page.step.time_s, pose,
-                                       page_question_angle(question), page.step.trigger);
+                  : conus_tracker_step(&page.selection, page.tracker, time_s, pose,
+                                       page_question_angle(question, page.follower.weight), step & STEP_PRESSED);
 }
 
 /* Asks what is in a cone, as `settings` says: "angle=20&layers=all", of web_form(). {"depth": mm to the deepest hit, 0
  * where the cone has no end, "hits": numbers of the objects in the answer's order, "ranks": the place of each among the
  * colours, "colours": "#rrggbb" of each where colours are of the answer}, or {"error": ...}; web_rows() has the answer,
- * and pictures what it hits. Neither has those of the question before where this one is refused. */
+ * and pictures what it hits. `step` is 0 but for a step of a track, at a time: enum step. Neither has those of the
+ * question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
-                                         double toward_z, const char *settings)
+                                         double toward_z, const char *settings, unsigned step, double time_s)
 {
     conus_pose pose;
     struct page_question question = {0};
-    const bool is_step = page.step.is_next;
-    page.step.is_next = false;
     conus_selection_destroy(page.selection);
     page.selection = NULL;
+    char *words = strdup(settings);
     messages_hold(true);
-    const bool is_read = page_question_read(&question, settings);
+    const bool is_read = words && page_question_read(&question, words);
     messages_hold(false);
     if (!is_read) {
-        return say_words(error_line());
+        free(words);
+        return words ? say_words(error_line()) : say(NULL);
     }
-    const double angle = page_question_angle(&question);
+    const double angle = question.angle;
     const double ends[2] = {question.selector.range[0], question.selector.range[1]};
     const double *range = ends[1] > 0 ? ends : NULL;
     question.selector.range[0] = question.selector.range[1] = 0;
     conus_status status =
         conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, NULL);
-    if (is_step) {
-        status = status ? status : answer_step(&question, &pose, range);
+    if (step) {
+        status = status ? status : answer_step(&question, &pose, range, step, time_s);
+        free(words);
     } else {
         question.angle = 0;
-        take_question(&question);
-        status = status ? status : prepare_selector(&page.selector, &question);
-        status = status ? status : conus_selector_set_range(page.selector, range);
-        status = status ? status : conus_select(&page.selection, page.selector, &pose, angle);
+        take_question(&question, words);
+        status = status ? status : prepare_asker(&page.asker, &question, NULL);
+        question.angle = angle;
+        status = status ? status : conus_selector_set_range(page.asker.selector, range);
+        status = status ? status
+                        : conus_select(&page.selection, page.asker.selector, &pose,
+                                       page_question_angle(&question, page.asker.weight));
     }
-    FILE *out = status ? NULL : begin_text();
-    if (out) {
-        fprintf(out, "{\"depth\": %.9g, ", question.layers ? 0 : find_depth(&pose));
-        write_hits(out);
-        fputs("}", out);
-    }
-    return status ? say_error() : end_text(out);
+    return status ? say_error() : say_hits(question.layers ? 0 : find_depth(&pose));
 }
 
 static conus_status write_report(const char *format)
@@ -478,7 +423,7 @@ static conus_status write_report(const char *format)
     const conus_report_options options = {.format = format, .tracker = is_step ? page.tracker : NULL};
     conus_report_destroy(page.report);
     page.report = NULL;
-    conus_status status = conus_report_create(&page.report, is_step ? page.follower : page.selector, &options);
+    conus_status status = conus_report_create(&page.report, (is_step ? page.follower : page.asker).selector, &options);
     return status ? status : conus_report_add(page.report, "1", page.selection);
 }
 
@@ -510,13 +455,13 @@ static conus_status select_nothing(void)
     if (page.nothing) {
         return CONUS_OK;
     }
-    conus_status status = prepare_selector(&page.selector, &page.question);
+    conus_status status = prepare_asker(&page.asker, &page.question, NULL);
     status = status ? status : conus_pose_toward(&pose, far_away, farther, NULL);
-    return status ? status : conus_select(&page.nothing, page.selector, &pose, 1);
+    return status ? status : conus_select(&page.nothing, page.asker.selector, &pose, 1);
 }
 
 /* Draws a cut, without the cone: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
- * 2. The objects of its pixels are web_objects_drawn(). NULL after an error. */
+ * 2. The objects of its pixels are web_part(6). NULL after an error. */
 EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double y, double z, uint32_t width,
                                             uint32_t height, double mm_per_pixel, double fill, double black,
                                             double white)
@@ -542,11 +487,6 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     failed = failed || conus_cutter_draw(*cutter, &view);
     page.cut = *cutter;
     return failed ? NULL : conus_cutter_rgba(*cutter);
-}
-
-EMSCRIPTEN_KEEPALIVE const uint32_t *web_cut_objects(void)
-{
-    return conus_cutter_objects(page.cut);
 }
 
 /* The mean distance of the pixels around one that show the same surface: voxels have corners, brains do not. */
@@ -666,13 +606,12 @@ static conus_status look(uint32_t side, const double eye[7])
     }
     page.seen = 0;
     if (viewer->side != side) {
-        conus_selector_destroy(viewer->selector);
-        viewer->selector = NULL;
+        forget_asker(&viewer->asker);
     }
     viewer->side = side;
-    conus_status status = prepare_selector(&viewer->selector, &(struct page_question){.selector.resolution = side});
+    conus_status status = prepare_asker(&viewer->asker, &(struct page_question){.selector.resolution = side}, NULL);
     status = status ? status : conus_pose_toward(&pose, eye, eye + 3, up);
-    status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6]);
+    status = status ? status : conus_select(&selection, viewer->asker.selector, &pose, eye[6]);
     if (status) {
         return status;
     }
@@ -696,7 +635,7 @@ static conus_status look(uint32_t side, const double eye[7])
 }
 
 /* Draws what is seen from a point: first hits of side x side rays, so that each pixel's object is exact. What the
- * question hits has colour, all else is a neutral grey. Its pixels have web_view_objects() and web_view_distances().
+ * question hits has colour, all else is a neutral grey. Its pixels have web_part(7) and (8).
  * NULL after an error. */
 EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, double z, double toward_x,
                                              double toward_y, double toward_z, double angle, uint32_t chosen)
@@ -721,37 +660,38 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, 
     return page.rgba;
 }
 
-EMSCRIPTEN_KEEPALIVE const uint32_t *web_view_objects(void)
-{
-    return page.objects;
-}
-
-EMSCRIPTEN_KEEPALIVE const float *web_view_distances(void)
-{
-    return page.distances;
-}
-
-/* Makes the surfaces of all areas, for a headset. {"sizes": bytes of each of web_mesh_part(0) to (5), "closed": whether
+/* Makes the surfaces of all areas, for a headset. {"sizes": bytes of each of web_part(0) to (5), "closed": whether
  * each surface is}, or {"error": ...}. web_mesh_end() frees them. */
 EMSCRIPTEN_KEEPALIVE const char *web_mesh(uint32_t cells)
 {
     const struct nets *nets = &page.nets;
-    const conus_status status = nets_make(&page.nets, page.atlas, cells);
-    FILE *out = status ? NULL : begin_text();
-    if (out) {
-        fprintf(out, "{\"sizes\": [%zu, %zu, %zu, %zu, %zu, %zu], \"closed\": %d}", 12 * nets->vertex_count,
-                4 * nets->vertex_count, 2 * nets->vertex_count, 4 * nets->corner_count, 4 * nets->outer_count,
-                4 * (conus_atlas_object_count(page.atlas) + 2), nets->is_closed);
+    if (nets_make(&page.nets, page.atlas, cells)) {
+        return say_error();
     }
-    return status ? say_error() : end_text(out);
+    const size_t sizes[] = {12 * nets->vertex_count, 4 * nets->vertex_count,
+                            2 * nets->vertex_count,  4 * nets->corner_count,
+                            4 * nets->outer_count,   4 * (conus_atlas_object_count(page.atlas) + 2)};
+    json_t *list = json_array();
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        json_array_append_new(list, json_integer((json_int_t)sizes[i]));
+    }
+    return say(json_pack("{s:o, s:b}", "sizes", list, "closed", nets->is_closed));
 }
 
-/* Positions, normals, objects, corners, outer, first, as struct nets says. */
-EMSCRIPTEN_KEEPALIVE const void *web_mesh_part(int part)
+/* Of surfaces positions, normals, objects, corners, outer, first, as struct nets says; of each pixel the object in the
+ * last cut, and in the view the object and the distance. */
+EMSCRIPTEN_KEEPALIVE const void *web_part(int part)
 {
     const struct nets *nets = &page.nets;
-    return (const void *[]){
-        nets->positions, nets->normals, nets->objects, nets->corners, nets->outer, nets->first}[part];
+    return (const void *[]){nets->positions,
+                            nets->normals,
+                            nets->objects,
+                            nets->corners,
+                            nets->outer,
+                            nets->first,
+                            page.cut ? conus_cutter_objects(page.cut) : NULL,
+                            page.objects,
+                            page.distances}[part];
 }
 
 EMSCRIPTEN_KEEPALIVE void web_mesh_end(void)

@@ -271,20 +271,22 @@ END
 @test "the sentences of a page are those of conus cite" {
     type node >/dev/null || skip 'no node'
     scene
-    local angle layers resolution sentence rows
-    rows=$(conus help --json | jq -c '[.commands[] | select(.name == "page").options[] | select(.name | IN("angle", "layers", "resolution", "range"))]')
+    local angle layers resolution weight weighed sentence rows
+    rows=$(conus help --json | jq -c '[.commands[] | select(.name == "page").options[] | select(.name | IN("angle", "layers", "resolution", "range", "weight"))]')
     for angle in 30 150; do
         for layers in visible all; do
             for resolution in 64 33; do
+                weight=$([ $resolution = 64 ] || echo gauss=4)
+                weighed=$([ -z "$weight" ] && echo 0 || { [ $layers = all ] && echo 3 || echo 2; })
                 conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 -q --force --layers $layers --resolution $resolution \
-                    --angle $angle --range 40,1e5 -o a.tsv
+                    --angle $angle --range 40,1e5 ${weight:+--weight $weight --score posterior} -o a.tsv
                 cites a.tsv
                 node --input-type=module -e "globalThis.CONUS_ROWS = $rows;
                     const { toMethods } = await import('$BATS_TEST_DIRNAME/../../apps/web/page/state.js');
-                    const said = toMethods({ origin: [0, -100, 0], toward: [0, 0, 0], angle: $angle, layers: '$layers', resolution: $resolution, range: [40, 1e5] },
+                    const said = toMethods({ origin: [0, -100, 0], toward: [0, 0, 0], angle: $angle, layers: '$layers', resolution: $resolution, range: [40, 1e5], weight: '$weight' },
                         { name: 'nested', version: '0', sha256: '', transform: '' }).split(/(?<=\.) (?=[A-Z])/);
                     console.log(said.filter((sentence) => !/RAS mm|^The atlas was/.test(sentence)).join('\n'));" >said
-                [ "$(wc -l <said)" -eq $([ $layers = all ] && echo 7 || echo 6) ]
+                [ "$(wc -l <said)" -eq $(($([ $layers = all ] && echo 7 || echo 6) + weighed)) ]
                 while IFS= read -r sentence; do
                     has "$sentence"
                 done <said

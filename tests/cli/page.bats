@@ -39,6 +39,20 @@ inside() {
     [ "conus $(jq -r .version question)" = "$(conus --version | head -n 1)" ]
 }
 
+@test "a weight opens the cone, ranks by posteriors, and is a normal one alone" {
+    page --origin 3,4,40 --toward 3,4,0 --weight gauss=2
+    conus query slabs.nii.gz --origin 3,4,40 --toward 3,4,0 --weight gauss=2 --score posterior --format ndjson --quiet >rows
+    sed -n 's|^<script type="application/json" id="question">\(.*\)</script>$|\1|p' page.html >question
+    jq -j .rows question | cmp - rows
+    grep -q '"posterior":[01]' rows
+    [ "$(jq -r .fragment question)" = "v=1&origin=3,4,40&toward=3,4,0&angle=16&layers=visible&resolution=64&weight=gauss=2" ]
+    local weight
+    for weight in hard coil=20:18 gauss=1,bias=1:1 gauss=30 gauss=; do
+        run -2 page --origin 3,4,40 --toward 3,4,0 --weight $weight --force
+        [[ $output == *'--weight: '* ]]
+    done
+}
+
 @test "an image below the areas is in the page and marked" {
     conus phantom sphere -o other --size 16
     page --context other/sphere.nii.gz 2>notes

@@ -197,6 +197,9 @@ def test_a_batch_takes_positions_of_the_scalp(tmp_path):
     (tmp_path / "target.txt").write_text("x y z\n0 -14 8\n")
     needles = ["--toward", tmp_path / "target.txt", "--depth", "target", "--reach", "3", "--scalp", scalp, "-q", "--format", "tsv"]
     plan = call_conus("plan", tmp_path / "own.nii", "--from", tmp_path / "caps.txt", *needles).stdout.decode().split("\n")
+    call_conus("plan", tmp_path / "own.nii", "--from", tmp_path / "caps.txt", *needles[:-2], "-o", tmp_path / "plan.tsv")
+    said = " ".join(call_conus("cite", tmp_path / "plan.tsv").stdout.decode().split())
+    assert f"--scalp {scalp} " in said and "were found on the scalp of its --scalp" in said
     at = call_conus("positions", *names, "--scalp", scalp, "--format", "tsv").stdout.decode().split("\n")
     entries = {line.split("\t")[0]: line.split("\t")[6:9] for line in plan[1:] if line}
     assert entries == {line.split("\t")[0]: line.split("\t")[1:4] for line in at[1:] if line}

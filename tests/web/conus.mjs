@@ -18,7 +18,7 @@ export async function start() {
   const module = await create({ wasmBinary: fs.readFileSync(path.join(PAGE, "conus.wasm")), print() {}, printErr() {} });
   module.FS.mkdir("/atlas");
   const wrap = (name, result, count, type = "number") => module.cwrap(`web_${name}`, result, Array(count).fill(type));
-  return { module, open: wrap("open", "string", 1, "string"), form: wrap("form", "string", 0), ask: module.cwrap("web_ask", "string", [...Array(6).fill("number"), "string"]), rows: wrap("rows", "string", 1), cut: wrap("cut", "number", 12), cut_objects: wrap("cut_objects", "number", 0), objects: wrap("objects", "string", 0),
+  return { module, open: wrap("open", "string", 1, "string"), form: wrap("form", "string", 0), ask: module.cwrap("web_ask", "string", [...Array(6).fill("number"), "string"]), rows: wrap("rows", "string", 1), cut: wrap("cut", "number", 12), part: wrap("part", "number", 1), objects: wrap("objects", "string", 0),
     add_context: wrap("add_context", "string", 1, "string"),
     put: (file, name = path.basename(file)) => module.FS.writeFile(`/atlas/${name}`, fs.readFileSync(file)) };
 }

@@ -37,7 +37,7 @@ async function compare(files, atlas, context) {
     const size = 4 * width * height;
     assert.equal(JSON.parse(conus.ask(...cone.slice(0, 6), `angle=${cone[6]}&resolution=16`)).error, undefined);
     const rgba = conus.cut(...axes, ...view, fill, 0, 0);
-    const objects = conus.cut_objects();
+    const objects = conus.part(6);
     assert.ok(rgba && objects);
     for (const from of [rgba, objects]) {
       const ours = Buffer.from(conus.module.HEAPU8.buffer, from, size);

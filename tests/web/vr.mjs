@@ -195,9 +195,10 @@ function grouped(questions, word) {
 
 /** The rows of `conus batch` for questions of one kind, by a table of poses. */
 function batch(questions, { layers, resolution }) {
+  const [{ weight }] = questions;
   const lines = questions.map(({ origin, toward, angle, range }, i) => [i + 1, ...origin, ...toward, angle, ...range ?? ["", ""]].join("\t"));
   fs.writeFileSync(path.join(folder, "poses.tsv"), `${["name\tx\ty\tz\ttx\tty\ttz\tangle\tnear\tfar", ...lines].join("\n")}\n`);
-  run("batch", atlas, "--poses", "poses.tsv", "--layers", layers, "--resolution", String(resolution), "-o", "rows.ndjson", "-q", "--force");
+  run("batch", atlas, "--poses", "poses.tsv", "--layers", layers, "--resolution", String(resolution), ...weight ? ["--weight", weight, "--score", "posterior"] : [], "-o", "rows.ndjson", "-q", "--force");
   return fs.readFileSync(path.join(folder, "rows.ndjson"), "utf8");
 }
 
@@ -331,6 +332,35 @@ test("a press holds what was pointed at before it, a second one lets go; off the
     found.forEach((row, i) => assert.deepEqual(row, wanted[i]));
     assert.equal(found.length, wanted.length);
   }
+});
+
+test("with a weight the panel and the page have the posterior, to the byte that of conus batch", { skip }, async (t) => {
+  const page = await visit(t);
+  await page.locator("[name=weight]").fill("gauss=1.7");
+  await page.locator("[name=weight]").press("Enter");
+  assert.equal(await page.locator("[name=angle]").inputValue(), "13.6");
+  await enter(page);
+  const { questions, panel } = await page.evaluate(async () => {
+    for (let i = 0; i < 8; i++) {
+      window.point([0.05, 1.25, 0], [0.02 * i - 0.06, 1.22, -0.6]);
+      await window.settled();
+    }
+    await window.press();
+    await window.settled();
+    await window.frame(20);
+    return { questions: window.questions, panel: window.panel };
+  });
+  for (const some of grouped(questions, ({ layers, resolution }) => `${layers} ${resolution}`).values()) {
+    assert.equal(some.map(({ rows }, i) => rows.replaceAll('{"query":"1"', `{"query":"${i + 1}"`)).join(""), batch(some, some[0]));
+  }
+  const rows = questions.at(-1).rows.trim().split("\n").map((row) => JSON.parse(row)).filter(({ kind }) => kind === "area");
+  assert.ok(rows.length > 1 && panel.includes("posterior, gauss=1.7"), `${panel}`);
+  for (const { name, posterior } of rows.slice(0, 6)) assert.ok(panel.includes(name) && panel.includes(`${(100 * posterior).toFixed(1)} %`), `${panel}`);
+  await leave(page);
+  await page.waitForFunction((name) => document.querySelector("tbody td:nth-child(2)")?.textContent === name, rows[0].name, WAIT);
+  assert.deepEqual(await page.locator("tbody tr td:nth-child(3)").allInnerTexts(), rows.map(({ posterior }) => `${(100 * posterior).toFixed(2)} %`));
+  assert.equal(await page.locator("th:nth-child(3)").innerText(), "Posterior");
+  assert.match(await page.locator("#said").innerText(), /— meant with a probability of \d+\s%, [\d.]+\smm from the start$/);
 });
 
 test("hands carry, turn and scale the brain; a stick opens the cone; buttons are on the panel, too", { skip }, async (t) => {

@@ -174,6 +174,8 @@ static const struct sentence of_settings[] = {
                           "fractions of their lengths (Eq. 35 of conus's documentation)."},
     {"Batch.head=own", " Positions of a cap were found on a scalp by sections through its landmarks, at fractions of "
                        "their lengths (Eq. 35 of conus's documentation)."},
+    {"scalp !Places.0.head", " Positions of a cap were found on the scalp of its --scalp, by sections through the "
+                             "landmarks there, at fractions of their lengths (Eq. 35 of conus's documentation)."},
     {"Places.0.toward",
      " The place is {Places.0.way_mm} mm from it towards {Places.0.toward}, along the section of the "
      "scalp through both and their normals."},
@@ -605,6 +607,7 @@ static json_t *facts_of(const struct citation *citation, const json_t *atlases)
     set_if(facts, "nearest", asked.ball == 0);
     set_if(facts, "own", holds(facts, "Batch.own_ranges") || holds(facts, "Settings.own_ranges") || asked.with_range);
     set_if(facts, "all", holds(facts, "Settings.layers=all"));
+    set_if(facts, "scalp", holds(facts, "Plan") && strstr(text_of(facts, "GeneratedBy.0.CommandLine"), " --scalp"));
     set_shape(facts, &asked);
     set_poses(facts, &asked);
     set_objects(facts, atlases);

@@ -3,7 +3,6 @@
 
 const WIDTH = 1024, HEIGHT = 640; // pixels
 const EVERY = 100; // ms between two writings
-const LINES = 6;
 const BUTTONS = [{ name: "layers", left: 596, right: 816, low: 606 }, { name: "home", left: 832, right: 992, low: 606 }, { name: "history", left: 596, right: 816, low: 530 }, { name: "trials", left: 832, right: 992, low: 530 }];
 const OVER = 50, UNDER = 22; // pixels of a button above and below its words' base
 
@@ -15,7 +14,6 @@ export const SIZE = [0.4, 0.4 * HEIGHT / WIDTH];
 export class Board {
   constructor() {
     this.canvas = Object.assign(document.createElement("canvas"), { width: WIDTH, height: HEIGHT });
-    this.isNew = false; // since it was last drawn
     this.wrote = -Infinity;
     /** @type {Said | null} */
     this.next = null;
@@ -60,7 +58,7 @@ export class Board {
     const second = lines.slice(1).join(" ");
     words("600 44px", lines[0], 40, 68, WIDTH - 80);
     words("600 44px", second, 40, 122, WIDTH - 80);
-    rows.slice(0, LINES).forEach(({ name, rgb, share }, i) => {
+    rows.forEach(({ name, rgb, share }, i) => {
       const y = 190 + 56 * i;
       box(`rgb(${rgb})`, 40, y - 34, 38, 38, 4);
       words("44px", name, 100, y, WIDTH - 340);
@@ -68,8 +66,7 @@ export class Board {
       words("44px", share, WIDTH - 40, y, 180);
       c.textAlign = "left";
     });
-    const rest = rows.length + more - Math.min(rows.length, LINES);
-    words("40px", rest ? `and ${rest} more` : "", 40, 526, BUTTONS[2].left - 60);
+    words("40px", more ? `and ${more} more` : "", 40, 526, BUTTONS[2].left - 60);
     words("40px", depths, 40, 566, BUTTONS[0].left - 60);
     words("40px", state, 40, 606, BUTTONS[0].left - 60);
     c.textAlign = "center";

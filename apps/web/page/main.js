@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
-import { MM, ROWS, START, digits, fromFragment, inPage, quoted, readRow, readWithin, textOf, toCommand, toFragment, toMethods, toOptions } from "./state.js";
+import { MM, ROWS, START, digits, fromFragment, inPage, quoted, readRow, readWithin, sigmaOf, textOf, toCommand, toFragment, toMethods, toOptions } from "./state.js";
 import { CUTS, Cut, ENDLESS, View } from "./panes.js";
 import { Stage } from "./stage.js";
 import { Headset } from "./vr.js";
@@ -91,7 +91,7 @@ worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
 function say(words, field) {
   const error = $("#error");
   $("[aria-describedby]")?.removeAttribute("aria-describedby");
-  if (words) (field?.closest("fieldset, .row") ?? $("#said")).after(error);
+  if (words) (field?.closest("fieldset, .row > label") ?? $("#said")).after(error);
   field?.setAttribute("aria-describedby", "error");
   error.textContent = words;
   error.hidden = !words;
@@ -164,13 +164,16 @@ const byRank = () => $("#colours").value !== "1";
 /** mm from the start, of what no ray hits first to where the first enters it. @param {any} row */
 const nearestOf = (row) => row.distance_mm ?? row.entry_mm;
 
+/** How much a row has: its posterior, where a weight gives one, else its share. @param {any} row @param {number} [places] */
+const partOf = ({ posterior, pixels, share, time_s: step }, places = 1) => (typeof posterior === "number" || pixels ? `${(100 * (posterior ?? share)).toFixed(places)} %` : step === undefined ? "behind" : "before");
+
 /** An answer as one sentence, with the window's words. @param {any[]} rows @param {number[]} hits */
 function sentence(rows, hits) {
   const best = rows.find((row) => row.kind !== "unassigned");
   if (!best) return "Nothing is hit — no area lies in the cone";
   const [title, , , , side] = objects[hits[0] - 1];
-  const percent = 100 * best.share;
-  const share = best.pixels ? `${percent.toFixed(percent < 1 ? 1 : 0)}\u00a0% of the cone` : "behind others";
+  const part = partOf(best, (best.posterior ?? best.share) < 0.01 ? 1 : 0).replace(" ", "\u00a0");
+  const share = !best.pixels ? "behind others" : typeof best.posterior === "number" ? `meant with a probability of ${part}` : `${part} of the cone`;
   const nearest = nearestOf(best); // null of what lies between all rays
   return `${title}${side === "L" ? ", left" : side === "R" ? ", right" : ""} — ${share}${typeof nearest === "number" ? `, ${nearest.toFixed(1)}\u00a0mm from the start` : ""}`;
 }
@@ -196,6 +199,7 @@ emptyRow.cells[1].append(document.createElement("span"), "");
 /** Rows stay the elements that they are, so that a focus stays, and only what differs is laid out again. */
 function fillTable() {
   const shown = rows.filter((row) => row.kind !== "unassigned");
+  $("th:nth-child(3)").textContent = shown.some(({ posterior }) => typeof posterior === "number") ? "Posterior" : "Share";
   $("#more").textContent = shown.length > SHEET ? `and ${shown.length - SHEET} more, which have no room on this sheet` : "";
   while (body.rows.length > shown.length) body.lastChild.remove();
   while (body.rows.length < shown.length) body.append(emptyRow.cloneNode(true));
@@ -208,7 +212,7 @@ function fillTable() {
     swatch.style.setProperty("--chip", byRank() ? tints[i] ?? "LOOK_RANK_MORE" : `rgb(${rgb.slice(0, 3)})`);
     swatch.classList.toggle("behind", !row.pixels);
     if (name.data !== title) name.data = title;
-    for (const [column, text] of Object.entries({ 0: String(row.rank), 2: row.pixels ? `${(100 * row.share).toFixed(2)} %` : "behind", 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
+    for (const [column, text] of Object.entries({ 0: String(row.rank), 2: partOf(row, 2), 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
       if (tr.cells[column].textContent !== text) tr.cells[column].textContent = text;
     }
     tr.dataset.number = String(number);
@@ -386,6 +390,7 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
     if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(`${WORDS[/** @type {"origin"} */ (found[1])]} ${"xyz"[a]}`, field.value, MM) : v)));
     else if (row) question[row.name] = readRow(row, row.type === "flag" && !field.checked ? "" : field.value);
     else end = /** @type {any} */ (field.value);
+    if (row?.name === "weight" && field.value && sigmaOf(question) > 0) question.angle = Math.min(170, 8 * sigmaOf(question)); // as conus query fills its cone
     if (end === "toward" && field.name.startsWith("toward")) question.cut = null;
   });
 });
@@ -775,7 +780,7 @@ function describeFor({ refused = "", depth, rows: text, hits, ranks, colours }) 
   const found = rows.filter((row) => row.kind !== "unassigned").map((row, i) => {
     const [name, ...own] = objects[hits[i] - 1];
     const rgb = byRank() ? [1, 3, 5].map((at) => parseInt(colours[i].slice(at, at + 2), 16)) : own.slice(0, 3);
-    return { number: hits[i], name, rgb: /** @type {number[]} */ (rgb), behind: !row.pixels, isDrawn: ranks[i] && (row.pixels || ranks[i] <= RANKED), share: row.pixels ? `${(100 * row.share).toFixed(1)} %` : row.time_s === undefined ? "behind" : "before" };
+    return { number: hits[i], name, rgb: /** @type {number[]} */ (rgb), behind: !row.pixels, isDrawn: ranks[i] && (row.pixels || ranks[i] <= RANKED), share: partOf(row) };
   });
   const nameOf = (/** @type {string} */ what) => found.find((_, i) => rows[i][what])?.name ?? ""; // of a step
   return { refused: inPage(refused), depth, best: hits[0] ?? 0, contact: found.length && rows[0].pixels ? [rows[0].contact_x, rows[0].contact_y, rows[0].contact_z] : null, hits: found.filter(({ isDrawn }) => isDrawn).slice(0, SOLID),
@@ -850,7 +855,7 @@ function savePoses() {
     const [layers, resolution, track] = kind.split("-");
     const file = `conus-${name}-${kind}.tsv`, isTrials = kind === "trials";
     const command = isTrials ? `calibrate --poses ${file}`
-      : `${track ?? "batch"} ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution}${track ? " --score intenselect_plus" : ""}${toOptions(headset.page.question, ["angle", "layers", "resolution", "range"])} -o rows.tsv`;
+      : `${track ?? "batch"} ${quoted(atlasFile)} --poses ${file} --layers ${layers} --resolution ${resolution}${toOptions(headset.page.question, ["angle", "layers", "resolution", "range", ...track ? ["weight"] : []])}${track ? " --score intenselect_plus" : ""} -o rows.tsv`;
     const more = isTrials ? ["aim_x", "aim_y", "aim_z"] : ["near", "far", "layers", "resolution", "trigger"];
     const head = `# conus ${command}\n${["name", "time_s", "x", "y", "z", "tx", "ty", "tz", "angle", ...more].join("\t")}\n`;
     download(file, new Blob([head, lines.join("\n"), "\n"]));

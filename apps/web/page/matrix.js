@@ -6,6 +6,9 @@
 export const matrix = () => new Float64Array(16);
 export const point = () => new Float64Array(3);
 
+/** Also of a matrix: its place. */
+export const ORIGIN = point();
+
 /** RAS to WebXR's axes: right stays right, anterior goes to -z (ahead), superior to +y (up). Its determinant is 1: left
  * stays left. */
 export const XR_FROM_RAS = Float64Array.of(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);
@@ -48,9 +51,9 @@ export function columns(out, x, y, z, at) {
   return out;
 }
 
-/** A turn by a quaternion of any length, a scale, and then the place. @param {Float64Array} out @param {number} x @param {number} y
- * @param {number} z @param {number} w @param {number} scale @param {Numbers} at */
-export function similarity(out, x, y, z, w, scale, at) {
+/** A turn by a quaternion of any length, and a scale, that bring one place to another. @param {Float64Array} out @param {number} x
+ * @param {number} y @param {number} z @param {number} w @param {number} scale @param {Numbers} to @param {Numbers} [from] */
+export function similarity(out, x, y, z, w, scale, to, from = ORIGIN) {
   const s = 2 / (x * x + y * y + z * z + w * w);
   out[0] = scale * (1 - s * (y * y + z * z));
   out[1] = scale * s * (x * y + w * z);
@@ -61,7 +64,7 @@ export function similarity(out, x, y, z, w, scale, at) {
   out[8] = scale * s * (x * z + w * y);
   out[9] = scale * s * (y * z - w * x);
   out[10] = scale * (1 - s * (x * x + y * y));
-  for (let r = 0; r < 3; r++) out[12 + r] = at[r];
+  for (let r = 0; r < 3; r++) out[12 + r] = to[r] - out[r] * from[0] - out[4 + r] * from[1] - out[8 + r] * from[2];
   out[3] = out[7] = out[11] = 0;
   out[15] = 1;
   return out;
@@ -93,22 +96,18 @@ export function scale(p, by) {
 /** Makes p 1 long. @param {Float64Array} p */
 export const unit = (p) => scale(p, 1 / (length(p) || 1));
 
-const u = point(), v = point(), axis = point(), middle = point();
-const back = matrix(), turn = matrix();
+const u = point(), v = point(), axis = point(), from = point(), to = point();
 
 /** The similarity that brings two places, a and b, to c and d by the least turn. @param {Float64Array} out @param {Numbers} a @param {Numbers} b
  * @param {Numbers} c @param {Numbers} d */
 export function between(out, a, b, c, d) {
   plus(u, b, a, -1);
   plus(v, d, c, -1);
+  plus(from, a, u, 0.5);
+  plus(to, c, v, 0.5);
   const scale = length(v) / Math.max(length(u), 1e-3);
   const cosine = dot(unit(u), unit(v));
   cross(axis, u, v); // of the quaternion of twice the half angle: (axis, 1 + cosine)
   if (cosine < -0.999999) axis[0] = 1;
-  plus(middle, a, b, 1);
-  for (let r = 0; r < 3; r++) middle[r] /= -2;
-  similarity(back, 0, 0, 0, 1, 1, middle);
-  plus(middle, c, d, 1);
-  for (let r = 0; r < 3; r++) middle[r] /= 2;
-  return times(out, similarity(turn, axis[0], axis[1], axis[2], 1 + cosine, scale, middle), back);
+  return similarity(out, axis[0], axis[1], axis[2], 1 + cosine, scale, to, from);
 }

@@ -41,9 +41,9 @@ void main() { result = hasPicture ? texture(picture, uv) : vec4(colour.rgb * col
 const rgba = (hex, opacity) => Float32Array.of(...[1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255), opacity);
 const COLOURS = {
   ground: rgba("LOOK_PANE_DARK", 1), rest: rgba("LOOK_NOT_HIT", 1), floor: rgba("LOOK_NOT_HIT", 0.4), ball: rgba("LOOK_SECOND", 1),
-  seen: rgba("LOOK_CONE", 1), hidden: rgba("LOOK_CONE", 0.5), cone: rgba("LOOK_CONE", 0.14),
-  oldSeen: rgba("LOOK_CONE_OLD", 1), oldHidden: rgba("LOOK_CONE_OLD", 0.5), oldCone: rgba("LOOK_CONE_OLD", 0.14),
 };
+/** Of the cone, and of an old one: its end, that where it is hidden, and its wall. */
+const CONES = ["LOOK_CONE", "LOOK_CONE_OLD"].map((hex) => [1, 0.5, 0.14].map((opacity) => rgba(hex, opacity)));
 
 /** What a frame shows. @typedef {{brain: Float64Array, cone: Float64Array | null, near: Float64Array | null, ball: Float64Array | null, isOld: boolean, wands: Float64Array[], wandCount: number, panel: Float64Array, hasFloor: boolean}} Scene */
 
@@ -273,23 +273,24 @@ export class Stage {
     if (ball) this.put(times(this.model, this.clip, ball), shapes.ball, COLOURS.ball);
     gl.depthMask(false);
     if (hasFloor && !this.seesRoom) this.put(this.clip, shapes.floor, COLOURS.floor);
-    if (near) this.putRim(near, isOld);
+    const colours = CONES[Number(isOld)];
+    if (near) this.putRim(near, colours);
     if (cone) {
-      this.putRim(cone, isOld);
-      this.put(this.model, shapes.cone, isOld ? COLOURS.oldCone : COLOURS.cone);
+      this.putRim(cone, colours);
+      this.put(this.model, shapes.cone, colours[2]);
     }
     gl.depthMask(true);
     gl.depthFunc(gl.LESS);
   }
 
-  /** The end of a cone, which is seen in the brain, too. @param {Float64Array} cone @param {boolean} isOld */
-  putRim(cone, isOld) {
+  /** The end of a cone, which is seen in the brain, too. @param {Float64Array} cone @param {Float32Array[]} colours */
+  putRim(cone, colours) {
     const { gl, shapes: { rim } } = this;
     times(this.model, this.clip, cone);
     gl.disable(gl.DEPTH_TEST);
-    this.put(this.model, rim, isOld ? COLOURS.oldHidden : COLOURS.hidden);
+    this.put(this.model, rim, colours[1]);
     gl.enable(gl.DEPTH_TEST);
-    this.put(this.model, rim, isOld ? COLOURS.oldSeen : COLOURS.seen);
+    this.put(this.model, rim, colours[0]);
   }
 
   /** @param {Float64Array} clip @param {{array: any, count: number}} shape @param {Float32Array | null} colour null: the panel's picture */

@@ -3,7 +3,7 @@
 
 /**
  * @typedef {[number, number, number]} Point
- * @typedef {{name: string, type: "number" | "count" | "range" | "choice" | "flag", help: string, unit?: string, default?: string, common: boolean, range?: {low: number, high: number}, choices?: string[]}} Row
+ * @typedef {{name: string, type: "number" | "count" | "range" | "choice" | "flag" | "text", help: string, unit?: string, default?: string, common: boolean, range?: {low: number, high: number}, choices?: string[]}} Row
  * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, range: number[] | null, cut: Point | null} & Record<string, any>} Question; cuts without a place go through the contact of the best hit
  */
 
@@ -14,7 +14,7 @@ export const ROWS = CONUS_ROWS;
 export const digits = (x) => String(Number(x.toFixed(3)));
 
 /** A message of conus in the page's words: there are no options here. @param {string} text */
-export const inPage = (text) => text.replaceAll("/atlas/", "").replace("--context draws an image", "“Image under the areas…” draws an image")
+export const inPage = (text) => text.replace(/^--/, "").replaceAll("/atlas/", "").replace("--context draws an image", "“Image under the areas…” draws an image")
   .replace(/ \([^()]*(--|'conus )[^()]*\)/g, "").replace(/[,;:] [^,;:]*--[a-z][^,;:]*(, and [^,;:]*)?/g, "");
 
 /** @param {Point} p */
@@ -57,12 +57,16 @@ export function readRow({ name, type, range, choices = ["1", ""] }, text) {
     if (ends.length !== 2 || ends[0] >= ends[1]) throw new Error(`${name}=${text}: two numbers are allowed, the first below the second`);
     return ends;
   }
+  if (type === "text") {
+    if (!/^[\w=.]{0,40}$/.test(text)) throw new Error(`${name}: ${text} has what no ${name} has`);
+    return text || null;
+  }
   if (!choices.includes(text)) throw new Error(`${name}=${text}: ${choices.join(" and ")} are allowed`);
   return type === "choice" ? text : Boolean(text);
 }
 
 /** And back. @param {Row} row @param {any} value */
-export const textOf = ({ type, unit }, value) => (type === "flag" ? (value ? "1" : "") : type === "range" ? value?.map(digits).join(",") ?? "" : type === "choice" ? value : unit ? digits(value) : String(Number(value.toPrecision(9))));
+export const textOf = ({ type, unit }, value) => (type === "flag" ? (value ? "1" : "") : type === "range" ? value?.map(digits).join(",") ?? "" : type === "choice" || type === "text" ? value ?? "" : unit ? digits(value) : String(Number(value.toPrecision(9))));
 
 /** @type {Question} */
 export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], cut: null, .../** @type {any} */ (Object.fromEntries(ROWS.map((row) => [row.name, readRow(row, row.default ?? "")]))) };
@@ -103,21 +107,28 @@ function countRays(n) {
 /** The paragraph that conus cite writes of the answer. @param {Question} q @param {any} atlas */
 export function toMethods(q, atlas) {
   const all = q.layers === "all";
-  const others = toOptions(q, ["angle", "layers", "resolution", "range"]); // of which no sentence below is
+  const others = toOptions(q, ["angle", "layers", "resolution", "range", "weight"]); // of which no sentence below is
+  const weight = q.weight && sigmaOf(q);
   return `The areas in a cone with its apex at ${join(q.origin)} and its axis through ${join(q.toward)} (x,y,z, RAS mm), and a full opening angle of ${digits(q.angle)}°, were determined with conus, version ${atlas.version}, which selects by conic volumes after Rick et al. (2010, doi:10.1109/VR.2010.5444783). ` +
     (q.range ? `Only what lies between two depths along the axis counted: ${q.range.map(digits).join(" mm and ")} mm from the apex. ` : "") +
     `The cone was filled with ${countRays(q.resolution)} rays${q.angle > 120 ? " (evenly spread in angle where it opens beyond 120°)" : ""}, one through the centre of each pixel in the round aperture of ${q.resolution} × ${q.resolution} pixels. ` +
     `Each ray was followed exactly, ${all ? "through all objects" : "to the first object that it hits"}: no voxel and no triangle on its way was left out. An object's share is the part of the solid angle whose rays hit this object before any other. ` +
-    (all ? "Occluded objects counted, too. " : "") + (others ? `Other settings were${others}. ` : "") + `Objects were ranked by their share. The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +
+    (all ? "Occluded objects counted, too. " : "") + (others ? `Other settings were${others}. ` : "") + `Objects were ranked by ${weight ? "the score posterior (Eq. 12 of conus's documentation)" : "their share"}. ` +
+    (weight ? `Rays were weighted by a normal error of the axis's tilt, with a standard deviation of ${weight}° about each of two axes: an object's weight is the probability that the axis, if it lies in the cone, meets it before any other (Eq. 30 and 31 of conus's documentation). ` +
+      `${all ? "An object's dose is the integral of the weight over its part in the cone or ball (Eq. 33). " : ""}The posterior of an object is the probability that it is meant, if each object is meant as often (Eq. 32). ` : "") + `The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +
     "The cone is a geometric model: no field, heat or sound was computed.";
 }
+
+/** Degrees that a hand is off, of a weight. @param {Question} q */
+export const sigmaOf = ({ weight }) => Number(weight.replace("gauss=", ""));
 
 /** A file's name as a shell reads it. @param {string} name */
 export const quoted = (name) => (/^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`);
 
-/** Its options beside the places, without some: those that are always said, and what is not as it began. @param {Question} q @param {string[]} but */
+/** Its options beside the places, without some: those that are always said, and what is not as it began; of a weight the score, too.
+ * @param {Question} q @param {string[]} but */
 export const toOptions = (q, but = []) => ROWS.filter((row) => !but.includes(row.name) && (row.common || q[row.name] !== START[row.name]))
-  .map((row) => ` --${row.name}${row.type === "flag" ? "" : ` ${textOf(row, q[row.name])}`}`).join("");
+  .map((row) => ` --${row.name}${row.type === "flag" ? "" : ` ${textOf(row, q[row.name])}`}${row.name === "weight" ? " --score posterior" : ""}`).join("");
 
 /** The command that gives the same rows. @param {Question} q @param {string} name */
 export function toCommand(q, name) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The atlas in a headset, by WebXR: a hand points a cone at it, conus answers in the page's worker. Lengths of the room
 // are metres, those of the brain mm; `brain` (room_from_ras) joins them. A frame makes no objects; a question does.
-import { XR_FROM_RAS, apply, between, columns, cross, dot, invert, length, matrix, plus, point, scale, similarity, times, unit } from "./matrix.js";
+import { ORIGIN, XR_FROM_RAS, apply, between, columns, cross, dot, invert, length, matrix, plus, point, scale, similarity, times, unit } from "./matrix.js";
 import { Board, SIZE } from "./board.js";
 
 /** @typedef {import("./state.js").Question} Question */
@@ -54,12 +54,6 @@ class OneEuro {
   }
 }
 
-/** @param {Float64Array} out @param {Float64Array | Float32Array} m */
-function placeOf(out, m) {
-  for (let i = 0; i < 3; i++) out[i] = m[12 + i];
-  return out;
-}
-
 /** As links, commands and tables of poses have it. @param {number} v */
 const rounded = (v) => Math.round(v * 1000) / 1000 + 0;
 
@@ -79,7 +73,7 @@ const p = point(), q = point(), r = point();
 const a = matrix(), b = matrix(), c = matrix();
 
 export class Headset {
-  /** @param {import("./stage.js").Stage} stage @param {{question: Question, low: number[], high: number[], file: string, name: string, ask: (question: Question, step?: [number, boolean, boolean]) => Promise<Answer>, hold: (question: Question) => void, ended: () => void}} page */
+  /** @param {import("./stage.js").Stage} stage @param {{question: Question, low: number[], high: number[], file: string, name: string, ask: (question: Question, step?: [number, number]) => Promise<Answer>, hold: (question: Question) => void, ended: () => void}} page */
   constructor(stage, page) {
     this.stage = stage;
     this.page = page;
@@ -213,7 +207,7 @@ export class Headset {
 
   /** Holds what was pointed at before the press, or lets go. */
   hold() {
-    if (this.held || !this.hasAimed || this.isOld) {
+    if (this.held || this.isOld) {
       this.held = null;
       return;
     }
@@ -246,15 +240,12 @@ export class Headset {
     this.ball = null;
     while (this.isTrial && !this.ball && this.session) {
       const [from, to] = [apply(point(), this.back, this.eye), low.map((v, i) => v + Math.random() * (high[i] - v))];
-      const { contact } = await this.page.ask({ ...question, origin: this.tripleOf(from), toward: this.tripleOf(to), angle: 0.01, range: null, layers: "visible", resolution: 1, cut: null });
-      this.ball = this.isTrial && contact ? this.tripleOf(contact) : null;
+      const { contact } = await this.page.ask(/** @type {any} */ ({ ...question, weight: null, origin: Array.from(from, rounded), toward: to.map(rounded), angle: 0.01, range: null, layers: "visible", resolution: 1, cut: null }));
+      this.ball = this.isTrial && contact ? contact.map(rounded) : null;
       this.ballSince = this.time;
     }
     this.say();
   }
-
-  /** @param {ArrayLike<number>} place @returns {[number, number, number]} */
-  tripleOf(place) { return [rounded(place[0]), rounded(place[1]), rounded(place[2])]; }
 
   /** @param {string} button */
   use(button) {
@@ -301,11 +292,7 @@ export class Headset {
       const source = this.grips[hand];
       const pose = source && frame.getPose(source.gripSpace ?? source.targetRaySpace, this.space);
       if (!pose) continue;
-      const { position, orientation } = pose.transform;
-      p[0] = position.x;
-      p[1] = position.y;
-      p[2] = position.z;
-      similarity(this.now[hand], orientation.x, orientation.y, orientation.z, orientation.w, 1, p);
+      this.now[hand].set(pose.transform.matrix);
       held |= 1 << hand;
     }
     if (held !== this.gripped) {
@@ -315,7 +302,7 @@ export class Headset {
     }
     if (!held) return;
     if (held === 3) {
-      this.move(times(b, between(a, placeOf(p, this.from[0]), placeOf(q, this.from[1]), placeOf(r, this.now[0]), placeOf(origin, this.now[1])), this.brainFrom));
+      this.move(times(b, between(a, apply(p, this.from[0], ORIGIN), apply(q, this.from[1], ORIGIN), apply(r, this.now[0], ORIGIN), apply(origin, this.now[1], ORIGIN)), this.brainFrom));
     } else {
       const hand = held - 1;
       this.move(times(b, times(a, this.now[hand], invert(c, this.from[hand])), this.brainFrom));
@@ -331,10 +318,7 @@ export class Headset {
   /** Turns the brain about the room's up, and scales it, round its middle. @param {number} angle @param {number} scale */
   turn(angle, scale) {
     apply(p, this.brain, this.middle);
-    for (let i = 0; i < 3; i++) q[i] = -p[i];
-    similarity(a, 0, 0, 0, 1, 1, q);
-    times(b, similarity(c, 0, Math.sin(angle / 2), 0, Math.cos(angle / 2), scale, p), a);
-    this.move(times(a, b, this.brain));
+    this.move(times(b, similarity(a, 0, Math.sin(angle / 2), 0, Math.cos(angle / 2), scale, p, p), this.brain));
   }
 
   /** Sticks and buttons: of the pointing hand the angle, or with B or Y the near plane; of the other one turn and scale. @param {number} seconds @param {any} frame */
@@ -397,10 +381,8 @@ export class Headset {
     p[0] = head[12] - AHEAD * Math.sin(yaw);
     p[1] = head[13] - BELOW;
     p[2] = head[14] - AHEAD * Math.cos(yaw);
-    similarity(a, 0, Math.sin(yaw / 2), 0, Math.cos(yaw / 2), LONG / this.long, p);
-    for (let i = 0; i < 3; i++) q[i] = -this.middle[i];
-    similarity(b, 0, 0, 0, 1, 1, q);
-    times(this.brain, a, times(c, XR_FROM_RAS, b));
+    similarity(a, 0, Math.sin(yaw / 2), 0, Math.cos(yaw / 2), LONG / this.long, p, apply(q, XR_FROM_RAS, this.middle));
+    times(this.brain, a, XR_FROM_RAS);
     this.isPlaced = true;
   }
 
@@ -409,7 +391,7 @@ export class Headset {
     const pose = frame.getViewerPose(this.space);
     if (!pose) return;
     const head = pose.transform.matrix;
-    placeOf(this.eye, head);
+    apply(this.eye, head, ORIGIN);
     if (!this.isPlaced) this.put(head);
     const seconds = Math.min(0.1, (time - this.time) / 1000);
     this.began ||= time;
@@ -437,7 +419,7 @@ export class Headset {
 
   /** Takes a ray as the newest question. @param {Float32Array} m */
   point(m) {
-    placeOf(this.at, m);
+    apply(this.at, m, ORIGIN);
     for (let i = 0; i < 3; i++) this.ahead[i] = -m[8 + i];
     if (!this.isTracked) { // a score with a history is smooth
       this.filters[0].step(this.time / 1000, this.at);
@@ -485,13 +467,9 @@ export class Headset {
       if (numbers[7]) scene.near = this.coneTo(1, numbers);
     }
     // The panel: over the brain, turned to the eyes.
-    let top = -Infinity;
-    for (let corner = 0; corner < 8; corner++) {
-      for (let i = 0; i < 3; i++) p[i] = corner >> i & 1 ? page.high[i] : page.low[i];
-      top = Math.max(top, apply(p, this.brain, p)[1]);
-    }
     apply(p, this.brain, this.middle);
-    p[1] = top + 0.03 + SIZE[1] / 2;
+    for (let i = 0; i < 3; i++) p[1] += Math.abs(this.brain[4 * i + 1]) * (this.middle[i] - page.low[i]); // the box's top
+    p[1] += 0.03 + SIZE[1] / 2;
     unit(plus(q, this.eye, p, -1));
     unit(cross(r, Y, q));
     cross(direction, q, r);
@@ -520,7 +498,7 @@ export class Headset {
     if (this.isTracked) {
       if (this.isBusy || this.isOld) return;
       this.isBusy = true;
-      this.answerTo(this.questionOf(numbers, false), this.time, this.trigger, [Number(this.seconds(this.time)), this.trigger, this.begins]);
+      this.answerTo({ ...this.questionOf(numbers, false), weight: null }, this.time, this.trigger, [1 + 2 * Number(this.trigger) + 4 * Number(this.begins), Number(this.seconds(this.time))]);
       this.trigger = this.begins = false;
       return;
     }
@@ -538,7 +516,7 @@ export class Headset {
   /** Colours the stage's new surfaces. */
   repaint() { this.stage.paint(this.answer?.hits ?? []); }
 
-  /** @param {Question} question @param {number} time @param {boolean} isHeld @param {[number, boolean, boolean]} [step] of a track */
+  /** @param {Question} question @param {number} time @param {boolean} isHeld @param {[number, number]} [step] of a track: whether it was pressed, and begins, in bits, and s */
   async answerTo(question, time, isHeld, step) {
     const kind = `${question.layers}-${question.resolution}${step ? `-track-${this.tracks}` : ""}`;
     try {
@@ -572,7 +550,7 @@ export class Headset {
     const { said, refused } = this.answer ?? {};
     const all = this.shown?.layers === "all" ? "all layers" : "first hits";
     const [from, to] = this.shown?.range ?? [0, NO_END];
-    const depths = to < NO_END ? `from ${Math.round(from)} to ${Math.round(to)} mm` : from ? `from ${Math.round(from)} mm` : "";
+    const depths = [this.shown?.weight && `posterior, ${this.shown.weight}`, to < NO_END ? `from ${Math.round(from)} to ${Math.round(to)} mm` : from ? `from ${Math.round(from)} mm` : ""].filter(Boolean).join(", ");
     const state = `${rounded(this.shown?.angle ?? this.angle)}°, ${all}, ${this.held ? "held" : this.isOld ? "old: no hand is seen" : `${this.shown?.resolution ?? ROUGH} × ${this.shown?.resolution ?? ROUGH} rays`}`;
     const trial = `Trial ${(this.record.get("trials")?.length ?? 0) + 1}: aim at the ball, and press`;
     const track = `${this.answer?.selected || "Nothing"} is selected${this.confirmed && `; ${this.confirmed} was confirmed`}`;

@@ -6,10 +6,9 @@ const FOLDER = "/atlas/";
 /** Numbers of web.c's functions; those of text have "string". */
 const SIGNATURES = {
   open: ["string", ["string"]], add_context: ["string", ["string"]], objects: ["string", []], use_colours: [null, ["number"]],
-  ask: ["string", [...Array(6).fill("number"), "string"]], step: [null, ["number", "number", "number"]], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
-  cut: ["number", Array(11).fill("number")], cut_objects: ["number", []],
-  view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
-  mesh: ["string", ["number"]], mesh_part: ["number", ["number"]], mesh_end: [null, []],
+  ask: ["string", [...Array(6).fill("number"), "string", "number", "number"]], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
+  cut: ["number", Array(11).fill("number")], view: ["number", Array(9).fill("number")],
+  mesh: ["string", ["number"]], mesh_end: [null, []], part: ["number", ["number"]],
 };
 const NDJSON = 4;
 let module, conus;
@@ -77,10 +76,9 @@ const CALLS = {
     return { objects: JSON.parse(conus.objects()) };
   },
   /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
-  draw({ question: q, step, cuts, view, chosen, given }) {
+  draw({ question: q, step = [0, 0], cuts, view, chosen, given }) {
     spare = given;
-    if (step) conus.step(...step); // time in s, trigger, whether a track begins
-    const { error: refused, depth, hits = [], ranks = [], colours = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, settingsOf(q)));
+    const { error: refused, depth, hits = [], ranks = [], colours = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, settingsOf(q), ...step)); // bits of web.c's enum step, and the time in s
     const rows = refused ? "" : conus.rows(NDJSON);
     if (!refused) cut = placeCuts(q, rows);
     const out = { refused, depth, rows, hits, ranks, colours, cut, cuts: [] };
@@ -89,19 +87,19 @@ const CALLS = {
       if (!q.cut && cut) c.centre[through] = cut[through];
       const size = 4 * c.width * c.height;
       const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1]), size);
-      out.cuts.push({ rgba, objects: pixels(conus.cut_objects(), size) });
+      out.cuts.push({ rgba, objects: pixels(conus.part(6), size) });
     }
     if (view) {
       const size = 4 * view.width * view.width;
       const rgba = pixels(conus.view(view.width, ...view.eye, ...view.toward, view.angle, chosen), size);
-      out.view = { rgba, objects: pixels(conus.view_objects(), size), distances: pixels(conus.view_distances(), size) };
+      out.view = { rgba, objects: pixels(conus.part(7), size), distances: pixels(conus.part(8), size) };
     }
     return out;
   },
   /** Surfaces of all areas: positions, normals, objects, corners, outer, first, as struct nets says. */
   mesh({ cells }) {
     const { sizes, closed } = parse(conus.mesh(cells));
-    const parts = sizes.map((bytes, part) => pixels(conus.mesh_part(part), bytes));
+    const parts = sizes.map((bytes, part) => pixels(conus.part(part), bytes));
     conus.mesh_end();
     return { parts, closed };
   },

@@ -18,6 +18,8 @@ export interface Question {
   resolution?: number;
   /** Nearest and farthest depth along the axis, mm from the apex; default all. */
   range?: readonly [near: number, far: number] | string;
+  /** "gauss=DEGREES": how far a hand is off; rows then have a posterior, and ranks by it. */
+  weight?: string;
   /** Other options of `conus page` that are no places, by their names. */
   [option: string]: unknown;
 }

@@ -34,7 +34,7 @@ function readSettings({ cut, ...settings }) {
   const said = Object.entries(settings).filter(([, value]) => value !== undefined);
   for (const [name, value] of said) {
     const isPair = Array.isArray(value) && value.length === 2 && value.every(Number.isFinite);
-    if (!/^[\w-]+$/.test(name) || !isPair && typeof value !== "number" && !(typeof value === "string" && /^[\w.,+-]+$/.test(value))) throw new ConusError(`${name}: a number, a word or two numbers [a, b] are needed`);
+    if (!/^[\w-]+$/.test(name) || !isPair && typeof value !== "number" && !(typeof value === "string" && /^[\w.,=+-]+$/.test(value))) throw new ConusError(`${name}: a number, a word or two numbers [a, b] are needed`);
   }
   return Object.fromEntries(said);
 }
