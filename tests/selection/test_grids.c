@@ -131,27 +131,33 @@ static void the_nearest_of_all_grids_is_hit(void **state)
 }
 
 /* Both begin at the same plane: the area of the earlier grid is hit, though its label is greater. */
-static void the_earlier_of_equal_grids_is_hit(void **state)
+/* Two grids of one voxel, both at 0, with the labels 9 and 3. */
+static conus_atlas *two_voxels(const struct label_table *table)
 {
-    (void)state;
     struct label_voxels labels[2] = {0};
     assert_ok(label_voxels_of(&labels[0], (uint32_t[]){9}, 1));
     assert_ok(label_voxels_of(&labels[1], (uint32_t[]){3}, 1));
     const conus_volume_info info = scene_plain_grid((size_t[]){1, 1, 1}, NULL);
     struct labelled_volume volumes[] = {{.info = &info, .labels = &labels[0]}, {.info = &info, .labels = &labels[1]}};
-    const struct label_table none = {0};
     struct notes notes = {0};
     conus_atlas *atlas = NULL;
+    assert_ok(atlas_create_of(&atlas, volumes, 2, table, "grids", &notes));
+    label_voxels_finish(&labels[0]);
+    label_voxels_finish(&labels[1]);
+    notes_finish(&notes);
+    return atlas;
+}
+
+static void the_earlier_of_equal_grids_is_hit(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = two_voxels(&(struct label_table){0});
     struct cone cone = {.angle = 0.01, .resolution = 2};
-    assert_ok(atlas_create_of(&atlas, volumes, 2, &none, "grids", &notes));
     assert_ok(conus_pose_along(&cone.pose, (double[]){-10, 0.1, 0.2}, (double[]){1, 0, 0}, NULL));
     struct evidence evidence = trace(atlas, &cone);
     assert_int_equal(label_of(atlas, evidence.object[0]), 9);
     evidence_finish(&evidence);
     conus_atlas_destroy(atlas);
-    label_voxels_finish(&labels[0]);
-    label_voxels_finish(&labels[1]);
-    notes_finish(&notes);
 }
 
 static void a_packed_atlas_has_all_grids(void **state)
@@ -187,6 +193,54 @@ static conus_selection *ask(conus_selector **selector, const conus_atlas *atlas,
     assert_ok(conus_selector_create(selector, atlas, &options));
     assert_ok(conus_select(&selection, *selector, pose, degrees_from_radians(angle)));
     return selection;
+}
+
+/* A mask lies on one grid: it needs the name of an area that has all its voxels there. */
+static void a_mask_of_two_grids_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t label; /* 0: no area is named */
+        const char *refused;
+    } cases[] = {{9, NULL},
+                 {3, NULL},
+                 {0, "mask: the areas lie on 2 different grids, name one of them (--mask-object)"},
+                 {7, "mask: Both has no voxels, or voxels on different grids"},
+                 {8, "mask: None has no voxels, or voxels on different grids"}};
+    struct label_table table = {0};
+    for (uint32_t label = 3; label <= 9; label += label == 3 ? 4 : 1) { /* 3, 7, 8, 9 */
+        struct label *entry = label_table_add(&table, label);
+        assert_non_null(entry);
+        assert_ok(label_set_text(&entry->name, text_from(label == 7 ? "Both" : label == 8 ? "None" : "Voxel")));
+        entry->has_parent = label == 3 || label == 9;
+        entry->parent = 7;
+    }
+    conus_atlas *atlas = two_voxels(&table);
+    label_table_finish(&table);
+    conus_pose pose;
+    conus_selector *selector = NULL;
+    assert_ok(conus_pose_along(&pose, (double[]){-10, 0, 0}, (double[]){1, 0, 0}, NULL));
+    conus_selection *selection = ask(&selector, atlas, &pose, 0.3);
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        conus_grid *grid = NULL;
+        conus_grid_options options = {.content = CONUS_GRID_MASK_OF_AREAS};
+        for (uint32_t object = 1; object <= atlas->object_count; object++) {
+            options.object = cases[c].label && label_of(atlas, object) == cases[c].label ? object : options.object;
+        }
+        assert_true(!options.object == !cases[c].label);
+        conus_status status = conus_selection_grid(&grid, selection, &options);
+        assert_int_equal(status, cases[c].refused ? CONUS_ERROR_ARGUMENT : CONUS_OK);
+        if (cases[c].refused) {
+            assert_null(grid);
+            assert_string_equal(conus_message(), cases[c].refused);
+        } else {
+            assert_int_equal(*(const uint8_t *)conus_grid_data(grid).data, 1);
+        }
+        conus_grid_destroy(grid);
+    }
+    conus_selection_destroy(selection);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
 }
 
 static const conus_result *find_label(const conus_selection *selection, const conus_atlas *atlas, uint32_t label)
@@ -286,9 +340,10 @@ static void both_engines_see_all_grids_alike(void **state)
 TEST_GROUP(grids)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_nearest_of_all_grids_is_hit),  cmocka_unit_test(the_earlier_of_equal_grids_is_hit),
-        cmocka_unit_test(a_packed_atlas_has_all_grids),     cmocka_unit_test(layers_are_those_of_each_grid),
-        cmocka_unit_test(both_engines_see_all_grids_alike), cmocka_unit_test(the_driver_was_silent),
+        cmocka_unit_test(the_nearest_of_all_grids_is_hit), cmocka_unit_test(the_earlier_of_equal_grids_is_hit),
+        cmocka_unit_test(a_packed_atlas_has_all_grids),    cmocka_unit_test(layers_are_those_of_each_grid),
+        cmocka_unit_test(a_mask_of_two_grids_is_refused),  cmocka_unit_test(both_engines_see_all_grids_alike),
+        cmocka_unit_test(the_driver_was_silent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
