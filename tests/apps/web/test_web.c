@@ -19,24 +19,23 @@ static int open_slabs(void **state)
     assert_int_equal(conus_phantom_write("slabs", folder, NULL), CONUS_OK);
     snprintf(path, sizeof path, "%s/slabs.nii.gz", folder);
     const char *said = web_open(path);
-    assert_non_null(strstr(said, "\"name\": \"slabs.nii.gz\""));
-    assert_non_null(strstr(said, "\"objects\": 2"));
+    assert_non_null(strstr(said, "\"name\":\"slabs.nii.gz\""));
+    assert_non_null(strstr(said, "\"objects\":2"));
     assert_null(strstr(said, "identity"));
-    assert_non_null(strstr(said, "\"low\": [-20, -12, -20], \"high\": [20, 12, 20]"));
+    assert_non_null(strstr(said, "\"low\":[-20.0,-12.0,-20.0],\"high\":[20.0,12.0,20.0]"));
     return 0;
 }
 
 static void test_objects_have_names_and_colours(void **state)
 {
     (void)state;
-    assert_string_equal(web_objects(),
-                        "[[\"Slab anterior\", 242, 186, 133, \"\"], [\"Slab posterior\", 121, 105, 191, \"\"]]");
+    assert_string_equal(web_objects(), "[[\"Slab anterior\",242,186,133,\"\"],[\"Slab posterior\",121,105,191,\"\"]]");
 }
 
 /* Asserts that a question is answered by these objects, in brackets, and mm along the axis to the deepest hit. */
 static void asks_well(const char *answer, const char *hits, double depth)
 {
-    static const char start[] = "{\"depth\": ";
+    static const char start[] = "{\"depth\":";
     assert_memory_equal(answer, start, strlen(start));
     assert_float_equal(strtod(answer + strlen(start), NULL), depth, 1e-6);
     assert_non_null(strstr(answer, hits));
@@ -49,13 +48,13 @@ enum { CSV = 2 }; /* its place in conus_format_at() */
 static void test_rows_of_an_answer(void **state)
 {
     (void)state;
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"),
-              "\"hits\": [1], \"ranks\": [1], \"colours\": [\"#d2246c\"]}", 38);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16", 0, 0),
+              "\"hits\":[1],\"ranks\":[1],\"colours\":[\"#d2246c\"]}", 38);
     const char *first = web_rows(CSV);
     assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
     assert_null(strstr(first, "Slab posterior"));
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&layers=all"),
-              "\"ranks\": [1, 2], \"colours\": [\"#d2246c\", \"#009ca8\"]}", 0);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&layers=all", 0, 0),
+              "\"ranks\":[1,2],\"colours\":[\"#d2246c\",\"#009ca8\"]}", 0);
     assert_non_null(strstr(web_rows(CSV), "Slab posterior"));
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
 }
@@ -64,10 +63,10 @@ static void test_rows_of_an_answer(void **state)
 static void test_a_range_has_what_is_first_in_it(void **state)
 {
     (void)state;
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=50,1000"), "\"hits\": [2]", 56);
-    assert_non_null(strstr(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=45,55"), "\"hits\": []"));
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "\"hits\": [1]", 38); /* and no range stays */
-    assert_non_null(strstr(web_ask(3, 50, 4, 3, 0, 4, "range=55,45"), "--range: "));
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=50,1000", 0, 0), "\"hits\":[2]", 56);
+    assert_non_null(strstr(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=45,55", 0, 0), "\"hits\":[]"));
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16", 0, 0), "\"hits\":[1]", 38); /* and no range stays */
+    assert_non_null(strstr(web_ask(3, 50, 4, 3, 0, 4, "range=55,45", 0, 0), "--range: "));
 }
 
 /* Steps look at the anterior box; after 0.4 s the hand is behind the other one, where a press confirms what was
@@ -77,25 +76,23 @@ static void test_a_press_confirms_what_was_selected_before(void **state)
 {
     (void)state;
     for (int i = 0; i < 3; i++) {
-        web_step(0.2 * i, false, i == 0);
-        asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "\"hits\": [1]", 38);
+        const char *answer =
+            web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16", i == 0 ? STEP | STEP_BEGINS : STEP, 0.2 * i);
+        asks_well(answer, "\"hits\":[1]", 38);
     }
-    web_ask(3, 50, 4, 3, 0, 4, "angle=1");
+    web_ask(3, 50, 4, 3, 0, 4, "angle=1", 0, 0);
     assert_null(strstr(web_rows(CSV), "confirmed"));
-    web_step(0.45, true, false);
-    web_ask(3, -50, 4, 3, 0, 4, "angle=1&resolution=16");
+    web_ask(3, -50, 4, 3, 0, 4, "angle=1&resolution=16", STEP | STEP_PRESSED, 0.45);
     const char *lines = web_rows(CSV);
     assert_non_null(strstr(lines, ",time_s,selected,confirmed\r\n"));
     const char *anterior = strstr(lines, "Slab anterior,SlA,1,");
     assert_non_null(anterior);
     assert_memory_equal(strchr(anterior, '\r') - strlen(",0.45,1,1"), ",0.45,1,1", strlen(",0.45,1,1"));
-    web_step(0, true, true);
-    web_ask(3, -50, 4, 3, 0, 4, "angle=1&resolution=16");
+    web_ask(3, -50, 4, 3, 0, 4, "angle=1&resolution=16", STEP | STEP_PRESSED | STEP_BEGINS, 0);
     assert_null(strstr(web_rows(CSV), "Slab anterior"));
-    web_step(0, false, true); /* and each step has its own range */
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=50,1000"), "\"hits\": [2]", 56);
-    web_step(0.1, false, false);
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "\"hits\": [", 38);
+    const char *ranged = web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16&range=50,1000", STEP | STEP_BEGINS, 0);
+    asks_well(ranged, "\"hits\":[2]", 56); /* and each step has its own range */
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16", STEP, 0.1), "\"hits\":[", 38);
 }
 
 /* What is not said is as its row says: 64 rays along a side, 20 degrees, first hits. */
@@ -103,16 +100,16 @@ static void test_the_form_is_what_is_asked(void **state)
 {
     (void)state;
     json_t *rows = json_loads(web_form(), 0, NULL);
-    assert_int_equal(json_array_size(rows), 4);
+    assert_int_equal(json_array_size(rows), 5);
     assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "name")), "angle");
     assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 0), "default")), "20");
     json_decref(rows);
-    web_ask(3, 50, 4, 3, 0, 4, "");
+    web_ask(3, 50, 4, 3, 0, 4, "", 0, 0);
     char *plain = strdup(web_rows(CSV));
     assert_non_null(strstr(plain, "Slab anterior"));
-    web_ask(3, 50, 4, 3, 0, 4, "&angle=20&layers=visible&resolution=64");
+    web_ask(3, 50, 4, 3, 0, 4, "&angle=20&layers=visible&resolution=64", 0, 0);
     assert_string_equal(web_rows(CSV), plain);
-    web_ask(3, 50, 4, 3, 0, 4, "&angle=21");
+    web_ask(3, 50, 4, 3, 0, 4, "&angle=21", 0, 0);
     assert_string_not_equal(web_rows(CSV), plain);
     free(plain);
 }
@@ -120,8 +117,8 @@ static void test_the_form_is_what_is_asked(void **state)
 static void test_errors_are_words(void **state)
 {
     (void)state;
-    assert_non_null(strstr(web_open("nothing.nii.gz"), "{\"error\": \"nothing.nii.gz"));
-    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=20&resolution=16"), "{\"error\": \"toward"));
+    assert_non_null(strstr(web_open("nothing.nii.gz"), "{\"error\":\"nothing.nii.gz"));
+    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=20&resolution=16", 0, 0), "{\"error\":\"toward"));
     static const char *const wrong[][2] = {
         {"angle=171", "--angle: 171 is out of range"},
         {"angle=", "--angle: "},
@@ -131,15 +128,15 @@ static void test_errors_are_words(void **state)
         {"resolution=16.5", "--resolution: "},
         {"angle=20&&origin=1", "origin: a page asks"},
         {"=", ": a page asks"},
-        {"resolution=257", "--resolution: 257"},
+        {"resolution=1025", "--resolution: 1025"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        const char *said = web_ask(3, 50, 4, 3, 0, 4, wrong[i][0]);
-        assert_memory_equal(said, "{\"error\": \"", 11);
-        assert_memory_equal(said + 11, wrong[i][1], strlen(wrong[i][1]));
+        const char *said = web_ask(3, 50, 4, 3, 0, 4, wrong[i][0], 0, 0);
+        assert_memory_equal(said, "{\"error\":\"", 10);
+        assert_memory_equal(said + 10, wrong[i][1], strlen(wrong[i][1]));
         assert_memory_equal(web_rows(CSV), "{\"error\"", 8); /* nor the answer before */
     }
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16"), "[1]", 38); /* the atlas is still open */
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, "angle=1&resolution=16", 0, 0), "[1]", 38); /* the atlas is still open */
 }
 
 static void is_about(const uint8_t *rgb, unsigned colour)
@@ -155,9 +152,9 @@ static void test_a_refused_question_takes_the_answer_away(void **state)
 {
     (void)state;
     const size_t at = 4 * (23 * 64 + 32);
-    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
+    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16", 0, 0), "[1]", 38);
     is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + at, LOOK_RANK_1);
-    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=90&resolution=16"), "{\"error\": \"toward"));
+    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, "angle=90&resolution=16", 0, 0), "{\"error\":\"toward"));
     assert_null(strstr(web_rows(CSV), "Slab"));
     is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + at, LOOK_NOT_HIT);
 }
@@ -167,7 +164,7 @@ static void test_cut_has_its_top_row_first(void **state)
 {
     (void)state;
     assert_non_null(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0));
-    const uint32_t *objects = web_cut_objects();
+    const uint32_t *objects = web_part(6);
     assert_int_equal(objects[23 * 64 + 32], 1);
     assert_int_equal(objects[32 * 64 + 32], 0);
     assert_int_equal(objects[41 * 64 + 32], 2);
@@ -179,11 +176,11 @@ static void test_view_is_upright_and_not_mirrored(void **state)
 {
     (void)state;
     assert_non_null(web_view(64, -100, 0, 20, 0, 0, 20, 30, 0));
-    const uint32_t *objects = web_view_objects();
+    const uint32_t *objects = web_part(7);
     assert_int_equal(objects[48 * 64 + 18], 1);
     assert_int_equal(objects[48 * 64 + 45], 2);
     assert_int_equal(objects[16 * 64 + 18], 0);
-    assert_true(fabs(web_view_distances()[32 * 64 + 18] - 80 / cos(atan(13.5 / 32 * tan(15 * RADIANS)))) < 0.5);
+    assert_true(fabs(((const float *)web_part(8))[32 * 64 + 18] - 80 / cos(atan(13.5 / 32 * tan(15 * RADIANS)))) < 0.5);
     assert_null(web_view(100000, -100, 0, 20, 0, 0, 20, 30, 0));
 }
 
@@ -193,14 +190,14 @@ static void test_view_is_lit_from_the_eye(void **state)
 {
     (void)state;
     const size_t middle = 4 * (32 * 64 + 32);
-    asks_well(web_ask(0, -50, 0, 0, 0, 0, "angle=1&resolution=16"), "[2]", 38); /* the posterior one alone */
+    asks_well(web_ask(0, -50, 0, 0, 0, 0, "angle=1&resolution=16", 0, 0), "[2]", 38); /* the posterior one alone */
     is_about(web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle, LOOK_NOT_HIT);
-    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
+    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16", 0, 0), "[1]", 38);
     const uint8_t *rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle;
     is_about(rgba, LOOK_RANK_1);
     assert_int_equal(rgba[3], 255);
     web_use_colours(COLOURS_OF_FILE);
-    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16"), "[1]", 38);
+    asks_well(web_ask(0, 50, 0, 0, 0, 0, "angle=1&resolution=16", 0, 0), "[1]", 38);
     is_about(web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle, 0xF2BA85);
     rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 2); /* another is chosen */
     assert_in_range(rgba[middle], 95, 97);
@@ -213,16 +210,16 @@ static void test_what_has_little_is_pale(void **state)
 {
     char hex[8];
     (void)state;
-    const char *answer = web_ask(-50, 8, 0, 0, 8, 0, "angle=28&resolution=128");
-    const char *list = strstr(answer, "\"colours\": [\"#");
-    assert_non_null(strstr(answer, "\"hits\": [1, 2]"));
+    const char *answer = web_ask(-50, 8, 0, 0, 8, 0, "angle=28&resolution=128", 0, 0);
+    const char *list = strstr(answer, "\"colours\":[\"#");
+    assert_non_null(strstr(answer, "\"hits\":[1,2]"));
     const conus_result *small = conus_selection_result(page.selection, 1);
     assert_true(small->share > 0 && small->share < 0.2);
     const double weight = conus_selection_weight(page.selection, 2);
     const uint8_t *rgb = web_view(64, -100, -9, 0, 0, -9, 0, 10, 0) + (size_t)4 * (32 * 64 + 32);
     assert_true(weight < 0.7 && list);
-    assert_memory_equal(list + 12, "\"#d2246c\", \"#", 13);
-    snprintf(hex, sizeof hex, "%.6s", list + 25);
+    assert_memory_equal(list + 11, "\"#d2246c\",\"#", 12);
+    snprintf(hex, sizeof hex, "%.6s", list + 23);
     const unsigned colour = (unsigned)strtoul(hex, NULL, 16);
     assert_int_equal(colour >> 16, (int)(weight * (LOOK_RANK_2 >> 16) + (1 - weight) * (LOOK_NOT_HIT >> 16) + 0.5));
     is_about(rgb, colour);
@@ -233,7 +230,7 @@ static void test_what_is_behind_has_stripes(void **state)
 {
     (void)state;
     int coloured = 0;
-    asks_well(web_ask(0, -50, 0, 0, 0, 0, "angle=1&resolution=16&layers=all"), "[2, 1]", 0);
+    asks_well(web_ask(0, -50, 0, 0, 0, 0, "angle=1&resolution=16&layers=all", 0, 0), "[2,1]", 0);
     const uint8_t *row = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + (size_t)4 * 32 * 64;
     for (int x = 24; x < 40; x++) {
         const bool is_stripe = row[4 * x] < 100;
@@ -280,7 +277,7 @@ static void test_which_atlas_it_is(void **state)
     }
     const char *said = web_open(aal);
     assert_non_null(
-        strstr(said, "\"identity\": \"AAL, 116 areas, 1 mm, on Colin 27\", \"reference\": \"N. Tzourio-Mazoyer"));
+        strstr(said, "\"identity\":\"AAL, 116 areas, 1 mm, on Colin 27\",\"reference\":\"N. Tzourio-Mazoyer"));
 }
 
 int main(void)
