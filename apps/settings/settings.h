@@ -66,7 +66,7 @@ struct aim_settings {
 };
 
 struct engine_settings {
-    conus_selector_options numbers; /* no program looks at more than these: resolution, slices, slice_fraction */
+    conus_selector_options numbers;    /* no program looks at more than these: resolution, slices, slice_fraction */
     size_t aperture, engine, sampling; /* conus_aperture, conus_engine, conus_sampling */
     const char *score;                 /* a name or formula; NULL = the default */
     size_t layers;                     /* conus_layers */

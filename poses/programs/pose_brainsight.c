@@ -176,8 +176,9 @@ static void read_row(struct reading *reading, struct text line)
         return;
     }
     if (!reading->has_space) {
-        job_bad(reading->job, "a row, and no line \"# Coordinate system: ...\" above it, as Brainsight writes it: put that "
-                              "back, as \"# Coordinate system: NIfTI:Aligned\", or export again");
+        job_bad(reading->job,
+                "a row, and no line \"# Coordinate system: ...\" above it, as Brainsight writes it: put that "
+                "back, as \"# Coordinate system: NIfTI:Aligned\", or export again");
     }
     char buffer[POSE_ID_LIMIT + 1];
     conus_pose_row row = pose_row_at(reading->line);

@@ -385,11 +385,12 @@ static void judge(const struct census *c, const struct head *head, double longes
                 head->out->file, head->out->file);
     }
     if (c->farthest > fmax(10 * longest, 1000) && space != CONUS_SPACE_CCF && is_known && !head->out->has_unit) {
-        job_bad(job,
-                "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um%s; if they are mm, "
-                "%s,unit=mm",
-                c->farthest, head->out->file,
-                of_people ? "" : ", or, if they count from the corner of the CCF, --space ccf", head->out->file);
+        job_bad(
+            job,
+            "a position lies %g mm from the origin, as if it were in micrometres: type %s,unit=um%s; if they are mm, "
+            "%s,unit=mm",
+            c->farthest, head->out->file,
+            of_people ? "" : ", or, if they count from the corner of the CCF, --space ccf", head->out->file);
     }
     if (is_unsaid && is_known && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
         job_bad(job,
@@ -405,7 +406,8 @@ static void judge(const struct census *c, const struct head *head, double longes
                 "1000 ML, um",
                 c->shallow, c->points, b[0], b[1], b[2]);
     } else if (c->shallow) {
-        job_warn(job, "%zu of %zu positions have a DV above 0, above bregma, the first in line %zu: is a minus missing?",
+        job_warn(job,
+                 "%zu of %zu positions have a DV above 0, above bregma, the first in line %zu: is a minus missing?",
                  c->shallow, c->points, c->first_shallow);
     }
     bool are_ends = head->out->ends_at_target || c->farthest_target > 1.5 * c->nearest_target;

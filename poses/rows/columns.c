@@ -940,7 +940,8 @@ static void choose_families(struct head *head)
              "x,y,z,t with t 0 in all rows is how ANTs has points, which are LPS: --space lps reads them so; if these "
              "are RAS, take the column t out");
     FAULT_IF(out->has[ROLE_ANGLE], head,
-             "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz; of points, "
+             "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz; of "
+             "points, "
              "and with --inward, whose opening is --angle, take it out",
              out->shown[ROLE_ANGLE]);
     if (out->has[ROLE_DEPTH] && named) {

@@ -290,14 +290,11 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         return notes_warn(notes, "positions are in %s, the atlas in another template (%s): some mm may lie between", at,
                           words);
     default:
-        return fail(
-            CONUS_ERROR_DATA,
-            "positions are in %s, the atlas in another space (%s): convert them to the atlas's%s",
-            at, words,
-            is_tkras                   ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
-            : brain != CONUS_BRAIN_OWN ? ""
-            : is_of_frame
-                ? ", by way of the scan"
-                : ", or take an atlas made of that scan (ATLAS,template=none)");
+        return fail(CONUS_ERROR_DATA,
+                    "positions are in %s, the atlas in another space (%s): convert them to the atlas's%s", at, words,
+                    is_tkras ? ": save scanner RAS (Freeview), and take the way of that scan to the template"
+                    : brain != CONUS_BRAIN_OWN ? ""
+                    : is_of_frame              ? ", by way of the scan"
+                                               : ", or take an atlas made of that scan (ATLAS,template=none)");
     }
 }

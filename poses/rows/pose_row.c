@@ -58,10 +58,11 @@ conus_status pose_no_number(const char *what, struct text field)
     const struct text behind = {last ? last + 1 : "", last ? field.size - (size_t)(last + 1 - field.data) : 0};
     bool has_unit = text_is_one_of(behind, "mm/um/cm/m/deg", true);
     return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, POSE_QUOTE(field),
-                text_mentions(field, "\xc2\xb1") ? "; of two numbers with \xc2\xb1 write the one in front, of two sides two rows"
+                text_mentions(field, "\xc2\xb1")
+                    ? "; of two numbers with \xc2\xb1 write the one in front, of two sides two rows"
                 : has_comma ? "; decimals are written with a point"
-                : has_unit ? "; a unit stands in the header, as in x (mm)"
-                           : "");
+                : has_unit  ? "; a unit stands in the header, as in x (mm)"
+                            : "");
 }
 
 conus_status pose_check_angle(double angle)

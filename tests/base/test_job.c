@@ -365,7 +365,8 @@ static void files_say_what_is_wrong_without_their_path(void **state)
     assert_null(job_read(&job, "/", 10, "").data);
     job_out(&job, mark);
     assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_IO);
-    assert_string_equal(conus_message(), "/: cannot read: is a folder, a regular file is needed: name those in it one by one");
+    assert_string_equal(conus_message(),
+                        "/: cannot read: is a folder, a regular file is needed: name those in it one by one");
 }
 
 static void names_of_a_folder_are_sorted(void **state)
