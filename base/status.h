@@ -27,11 +27,11 @@ conus_status fail_in(conus_status status, const char *where);
 #define GIVE(status, out, thing, end)                                                                                  \
     ((status) != CONUS_OK ? ((void)(end), (conus_status)(status)) : ((void)(*(out) = (thing)), (conus_status)CONUS_OK))
 
-/* Notes gathered on the way, for whoever reads the result, or passed to a log at once. */
+/* Notes gathered on the way, for the reader of the result, or passed to a log at once. */
 
 /** The caller's log for notes, as they are made. */
 struct note_sink {
-    conus_log log; /**< NULL = nobody. */
+    conus_log log; /**< NULL = none. */
     void *user;
     const char *path; /**< The file that is being read; NULL = none. */
 };

@@ -2,7 +2,7 @@
 /** @file What single precision may change (docs/model.md, Eq. 6).
  *
  * Files keep scales, values and directions as float32, and programs compute with them: 255 times float32(1/255) is
- * 1.00000006. Whoever compares a number of a file with an exact one allows for this, and nobody for more. */
+ * 1.00000006. A comparison of a file's number with an exact one allows for this, and for no more. */
 #ifndef CONUS_BASE_TOLERANCE_H
 #define CONUS_BASE_TOLERANCE_H
 

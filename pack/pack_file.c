@@ -169,7 +169,7 @@ static conus_status add_source(struct sources *sources, const char *path, const 
     return status;
 }
 
-/* What the atlas was made of, and what else is told. */
+/* What the atlas was made of, and what else info says. */
 static conus_status find_sources(struct sources *out, const char *path, const conus_atlas *atlas,
                                  const conus_save_options *options)
 {

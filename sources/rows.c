@@ -142,7 +142,7 @@ static bool is_no_text(const struct file_head *head)
 
 #define MAGIC(text) .magic = {(text), sizeof(text) - 1}
 #define NAMED(text) .named = (text)
-/* A format that is only told of; that is read; and that is hidden from who asks without a role. */
+/* A format that is only named; that is read; and that is hidden without a role. */
 #define TOLD(words_, way_, ...)                                                                                        \
     {                                                                                                                  \
         .words = words_, .way = way_, __VA_ARGS__                                                                      \
@@ -157,7 +157,7 @@ static bool is_no_text(const struct file_head *head)
     {                                                                                                                  \
         .id = FORMAT_##id_, .roles = roles_, .is_hidden = true, __VA_ARGS__                                            \
     }
-/* One whose words are for who asks for a transform. */
+/* One whose words are for a transform. */
 #define NO_TRANSFORM(words_, way_, ...) HIDDEN(OTHER, ROLE_TRANSFORM, .words = words_, .way = way_, __VA_ARGS__)
 
 /* In the order in which they are asked. */

@@ -110,7 +110,7 @@ static bool is_unwanted(void *source)
     return ((struct source *)source)->stops;
 }
 
-/* Where a byte cannot be read there is no sum: who asks for it tries again, and hears why. */
+/* Where a byte cannot be read there is no sum: the next reader tries again, and gets the reason. */
 static void sum_bytes(void *user, size_t piece)
 {
     struct source *source = user;

@@ -14,7 +14,7 @@
 /* The formats of files that conus meets: a row each, with what a file may be given as, by its first bytes or by the
  * ending of its name. */
 
-enum { HEAD_SIZE = 1 << 16 }; /**< Bytes that format_find() wants to see, if there are as many. */
+enum { HEAD_SIZE = 1 << 16 }; /**< Bytes that format_find() looks at, if there are as many. */
 
 #define FORMAT_OF_VOLUME(id, name, endings) FORMAT_##id,
 /** Formats that readers are chosen by. */
@@ -71,7 +71,7 @@ struct format {
     enum format_id id;
     unsigned roles;    /**< 0 = a file that conus has no use for, or whose reader asks otherwise. */
     bool is_folder;    /**< A folder, not a file. */
-    bool is_hidden;    /**< It counts only for who asks for one of its roles: others would take anything for it. */
+    bool is_hidden;    /**< It counts only where one of its roles is asked for: others would take anything for it. */
     const char *words; /**< "a TrackVis tractogram". */
     const char *poses; /**< The word of the format of poses (poses/rows/pose_row.h) that it is; NULL: of none. */
     const char *way;   /**< Advice, or NULL: "give it as --labels". */
@@ -160,7 +160,7 @@ void source_close(struct source *source); /**< NULL is fine. */
 conus_status source_of(struct source *out, const char *path, const struct bytes *stored);
 
 /** Likewise opens a file that is given as an atlas, which may end in ",map=K" if it is one of CIFTI labels. One that
- * cannot be read is no error: who wants to read it says why. CONUS_ERROR_MEMORY. */
+ * cannot be read is no error: reading it says why. CONUS_ERROR_MEMORY. */
 conus_status source_open_atlas(struct source *out, const char *path);
 
 /** FORMAT_MANIFEST, FORMAT_ATLAS_XML or FORMAT_CIFTI, which name other files or have several parts; else FORMAT_OTHER.
@@ -177,7 +177,7 @@ const struct format *source_format(struct job *job, const char *path, unsigned r
 
 /* The marks by which readers know their formats: each function looks at the first bytes of a file, unpacked. */
 
-/** Bytes that the functions of NIfTI want to see, if there are as many: the header, and where CIFTI's XML begins. */
+/** Bytes that the functions of NIfTI look at, if there are as many: the header, and where CIFTI's XML begins. */
 enum { NIFTI_HEAD_SIZE = 1024 };
 enum { NIFTI1_SIZE = 348, NIFTI2_SIZE = 540, MGH_HEADER_SIZE = 284 };
 

@@ -43,7 +43,7 @@ static int write_manifest(const char *folder, const char *name, const struct man
     conus_status status = conus_manifest_write(path, &options);
     int code = print_status(status);
     if (!status) {
-        if (system_is_terminal(STDOUT_FILENO)) { /* a script wants the name as it is */
+        if (system_is_terminal(STDOUT_FILENO)) { /* a script takes the name as it is */
             conus_plain_text(path);
         }
         printf("%s\n", path);

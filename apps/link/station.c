@@ -291,7 +291,7 @@ static void welcome(struct station *station, int socket)
     setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     peer->socket = socket;
     peer->heard_ms = clock_ms();
-    if (station->options.host) { /* servers of tracking data want to be asked */
+    if (station->options.host) { /* servers of tracking data send on request */
         size_t size = igtl_write_start(peer->out, sizeof peer->out, "STT_TDATA", REQUEST_MS);
         size += igtl_write_start(peer->out + size, sizeof peer->out - size, "STT_QTDATA", REQUEST_MS);
         peer->out_size = size;

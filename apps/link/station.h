@@ -57,7 +57,7 @@ struct igtl_reader {
     struct igtl_counts counts;
 };
 
-/** Hears of each message with poses. */
+/** Called for each message with poses. */
 typedef void (*igtl_listener)(void *user, const struct igtl_poses *poses);
 
 /** Reads @p size bytes. False where the stream is damaged (a version that is not 1 or 2, a body beyond

@@ -62,7 +62,7 @@ static const char *severity_word(const char *line)
     return "";
 }
 
-/* On a terminal with colours notes and warnings are told from errors by their words. */
+/* On a terminal with colours notes and warnings differ from errors by their words. */
 static void print_error_list(const char *format, va_list args)
 {
     vsnprintf(said, sizeof said, format, args);

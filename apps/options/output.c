@@ -21,7 +21,7 @@ bool output_is_stdout(const char *path)
     return !path || strcmp(path, "-") == 0;
 }
 
-/* Whoever closed the pipe, `head` for example, has what it wants: only the exit code says so. */
+/* Whoever closed the pipe, `head` for example, has read enough: only the exit code says so. */
 static int print_stdout_error(int error)
 {
     if (error != EPIPE) {

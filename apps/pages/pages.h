@@ -42,7 +42,7 @@ extern const struct option page_question_options[];
 /** These and ray_options. */
 extern const struct command page_question_form;
 
-/** What the selector is told of it, and the weight in that, the caller's to destroy after the selector; NULL = none. */
+/** The selector's options of it, and the weight in these, the caller's to destroy after the selector; NULL = none. */
 conus_status page_question_selector(conus_selector_options *out, conus_weight **weight,
                                     const struct page_question *question);
 /** The angle that is asked, else that of the weight, else 20 degrees. */

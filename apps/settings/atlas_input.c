@@ -20,7 +20,7 @@
 struct pathway_option {
     char *text;                    /* The text that the others point into. */
     const char *given;             /* As it was given: borrowed. */
-    char *path;                    /* With ",volume=K" and the like at its end, as the library wants it. */
+    char *path;                    /* With ",volume=K" and the like at its end, as the library takes it. */
     conus_band *bands;             /* Those of the options, in the order in which they were given. */
     conus_pathway_options options; /* Names point into texts. */
 };
@@ -155,7 +155,7 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
 /* The atlas's files and then those of the command line. */
 struct progress {
     const struct atlas_settings *settings;
-    size_t total; /* of the atlas, as was heard last */
+    size_t total; /* of the atlas, as last reported */
     size_t more;
     size_t done; /* of those */
 };

@@ -46,7 +46,7 @@ struct atlas_settings {
     struct option_list transforms;
     uint64_t max_memory;
     bool answers;                 /* no option: the context of a manifest is left out where no answer needs it */
-    bool image_is_fine;           /* no option: where ATLAS is an image, nobody is told, and error_line() has why */
+    bool image_is_fine;           /* no option: where ATLAS is an image, nothing is printed, and error_line() has why */
     struct option_list more;      /* of --atlas: atlases besides ATLAS (atlases.c) */
     conus_load_progress progress; /* no option: of programs that show it */
     void *progress_user;
@@ -248,7 +248,7 @@ bool space_settings_needs_atlas(const struct space_settings *settings);
 int space_settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings,
                          bool quiet);
 
-/* Tractograms that were read, for whoever opens the same files again: another atlas, or the same one with other
+/* Tractograms that were read, to open the same files again: another atlas, or the same one with other
  * options. */
 
 /** A zeroed one is empty. */

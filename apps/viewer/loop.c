@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The loop of the window: waits, hears devices, draws frames of panels and panes. */
+/* The loop of the window: waits, polls devices, draws frames of panels and panes. */
 #include "viewer/loop.h"
 
 #include "link/station.h"

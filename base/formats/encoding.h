@@ -9,7 +9,7 @@
 /* In which encoding a text is that should be UTF-8. */
 
 /** Makes @p text UTF-8, which stays as it is. Else all of it is taken as Windows-1252, whose letters ISO-8859-1's are;
- * where it has letters in UTF-8, too, only the bytes that are none of them are. A note says so; NULL: nobody is told.
+ * where it has letters in UTF-8, too, only the bytes that are none of them are. A note says so; NULL: none.
  * XML that declares one of the two is taken by its word, and declares UTF-8 then; a warning says where all of it is
  * UTF-8. *owned, for memory_free(), is what @p text lies in then, else NULL. CONUS_ERROR_DATA at a byte that
  * Windows-1252 has no letter for. UTF-16 with a byte order mark stays. */

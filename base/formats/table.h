@@ -8,7 +8,7 @@
 
 enum {
     TABLE_CELLS = 1000, /**< Most cells of a line. */
-    TABLE_HEAD = 65535  /**< As much of a text as table_decide() wants to see, in bytes. */
+    TABLE_HEAD = 65535  /**< As much of a text as table_decide() looks at, in bytes. */
 };
 
 /** What stands between cells, in the order in which ties are decided. */

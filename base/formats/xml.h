@@ -20,9 +20,9 @@ struct xml_handler {
     conus_status (*end)(void *user, const struct xml_event *event);
     void *user;
     bool doctype;          /**< A <!DOCTYPE> that only points to a definition is passed over instead of refused. */
-    struct notes *notes;   /**< Hears of a text that is not UTF-8 and declares nothing else; NULL: nobody does. */
+    struct notes *notes;   /**< Gets one on a text that is not UTF-8 and declares nothing else; NULL: none. */
     const char *known;     /**< The elements that the format has, '/' between them; NULL: any. */
-    struct notes *strange; /**< Hears of the first that is none of them, and is passed over. */
+    struct notes *strange; /**< Gets one on the first that is none of them, and is passed over. */
 };
 
 /** Parses the document @p text, which encoding_decode() makes UTF-8. Errors of the document itself are CONUS_ERROR_DATA

@@ -59,7 +59,7 @@ void job_fail(struct job *job, conus_status status, const char *format, ...)
     text_make_plain(job->message + used, "");
 }
 
-/* The sink gets the notes that it has not heard, unless an attempt may still be dropped. */
+/* The sink gets the notes that it has not had, unless an attempt may still be dropped. */
 static void tell_sink(struct job *job)
 {
     for (size_t i = 0; job->sink && !job->attempts && i < job->notes.count; i++) {

@@ -137,7 +137,7 @@ enum attempt_end {
  * was none, or where it stays. */
 const char *attempt_end(struct job *job, const struct attempt *attempt, enum attempt_end how);
 
-/** Takes the notes of an open attempt out of the job, which keeps them for notes_move(): nobody hears them before.
+/** Takes the notes of an open attempt out of the job, which keeps them for notes_move(): no sink gets them before.
  * After a failure NULL, and they stay. */
 struct notes *attempt_notes(struct job *job, const struct attempt *attempt);
 /** @} */

@@ -183,7 +183,7 @@ bool system_wait(int file, const struct system_wake *wake, int most_ms, bool *si
 /** Gives the words of the command line in UTF-8, and has streams be binary. Has a limit on files be an error of
  * writing, not a sudden end; if @p pipes, a broken pipe, too. */
 void system_begin(int *count, char ***words, bool pipes);
-/** Has @p call hear of the first SIGINT or SIGTERM; not of one that is ignored. */
+/** Lets the first SIGINT or SIGTERM call @p call; not one that is ignored. */
 void system_interrupt(void (*call)(int number));
 /** Whether the first thread's stack has less than @p size bytes. */
 bool system_stack_is_below(size_t size);

@@ -643,7 +643,7 @@ CONUS_CHECKED conus_status conus_calibrate(conus_table **out, const conus_trial 
  * @param selector With a prior, and not of cylinders. Its range is that of the last trial afterwards.
  * @param trials [count]
  * @param count 5 and more.
- * @param progress Hears of each trial; false ends it. NULL = no callback.
+ * @param progress Called for each trial; false ends it. NULL = no callback.
  * @return #CONUS_ERROR_DATA for fewer trials, and for an object that has no row of its own; #CONUS_ERROR_ARGUMENT for
  * another selector; #CONUS_ERROR_CANCELLED; the errors of conus_select(). */
 CONUS_CHECKED conus_status conus_reliability(conus_table **out, conus_selector *selector, const conus_trial *trials,

@@ -207,7 +207,7 @@ typedef struct conus_view {
                                 not with no_legend, nor where an end is not in the drawing. In a cut it is firm where
                                 it lies in it, half a voxel away at most, faint to 25 mm, and has its length only where
                                 some of it is firm: "in 3-D" unless all is. NULL = none. */
-    conus_progress progress; /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
+    conus_progress progress; /**< Called for each piece that is drawn; false ends the picture. NULL = no callback, and
                                 quicker by what waiting for each piece costs. */
     void *progress_user;     /**< Passed to @p progress. */
     const conus_drawn_probe *probes; /**< [probe_count] Without a selection: lines over the drawing, in the colours of

@@ -131,7 +131,7 @@ typedef struct conus_pose_options {
                             it, too: "FILE,x=COLUMN,...". */
     double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
                        the space. */
-    bool any_space; /**< What titles, comments, headers and columns say of the brain is not heard. */
+    bool any_space; /**< Ignore what titles, comments, headers and columns say of the brain. */
     bool of_mni305; /**< The atlas is of MNI 305: positions of that brain stay where they are, and are not moved to MNI
                        152. */
     bool all_rows;  /**< "electrodes": a contact without a position (n/a) is a row with an error, for an

@@ -36,7 +36,7 @@ typedef struct conus_jitter_options {
     double tilt;  /**< Standard deviation of the axis's tilt about the device's x, and about its y; degrees, 0 to 90. */
     double shift; /**< Standard deviation of the position along each of its axes, mm, 0 to 1e6. */
     uint32_t samples;        /**< Poses to trace from, a power of two from 16 to 2^20; 0 = 1024. */
-    conus_progress progress; /**< Hears of each pose that was traced from; false ends it. NULL = no callback. */
+    conus_progress progress; /**< Called for each pose that was traced from; false ends it. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
     double entry;  /**< In place of tilt and shift, of a needle (conus_plan_options): standard deviation of the device's
                       position along each of its x and y, mm, 0 to 1e6; */

@@ -68,7 +68,7 @@ struct brainglobe_atlas brainglobe_atlas_parse(struct job *job, struct text text
     return atlas;
 }
 
-/* A place that is not there is whoever opens it to say. */
+/* Opening it says that a place is not there. */
 static void check_link(struct job *job, const char *root, const char *place)
 {
     char real[SYSTEM_PATH];

@@ -143,7 +143,7 @@ static void start_label(struct parsing *parsing, const struct xml_event *event)
     label_entry_start(parsing->job, &parsing->entry, event);
 }
 
-/* The table is made of them where the map is chosen: notes of other maps are not heard. */
+/* The table is made of them where the map is chosen: notes of other maps are dropped. */
 static void end_label(struct parsing *parsing, struct text text)
 {
     struct job *job = parsing->job;

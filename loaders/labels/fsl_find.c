@@ -60,7 +60,7 @@ static void try_xml(struct job *job, const struct search *search, const char *pa
     if (!job_has_file(job, path)) {
         return;
     }
-    struct notes outside = label_notes_swap(job, (struct notes){0}); /* those of another volume's are not heard */
+    struct notes outside = label_notes_swap(job, (struct notes){0}); /* those of another volume's are dropped */
     struct attempt attempt = job_try(job);
     struct bytes bytes = job_read(job, path, FSL_ATLAS_LIMIT, "");
     struct text text = text_from_bytes(bytes.data, bytes.size);

@@ -42,7 +42,7 @@ static void apply_colours(struct job *job, struct label_table *table, const stru
                           struct text text)
 {
     struct label_table *colours = labels_new(job);
-    struct attempt silent = job_try(job); /* nobody hears of a number that is there twice */
+    struct attempt silent = job_try(job); /* without the note of a number that is there twice */
     label_text_parse(job, colours, format, text, &(struct label_use){0});
     attempt_end(job, &silent, ATTEMPT_SILENT);
     for (size_t i = 0; job_ok(job) && i < table->count; i++) {

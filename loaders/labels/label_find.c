@@ -591,7 +591,7 @@ void label_table_of_volume(struct job *job, struct label_table *out, const char 
                                   .use = {.info = volume->info, .voxels = voxels, .header = volume->header},
                                   .table = labels_new(job),
                                   .files = job->files.count};
-    struct attempt attempt = job_try(job); /* so that a table's notes are heard only where it is used */
+    struct attempt attempt = job_try(job); /* so that a table's notes are kept only where it is used */
     bool before = inputs_search(true);
     search_all(job, &search);
     bool found = search.source != NULL;

@@ -95,7 +95,7 @@ struct fsl_maps {
     bool has_background;              /**< Volume 0 is called background and has no label: label k of a summary is
                                          volume k. */
     struct volume_file *image;        /**< A series; NULL after a failure. */
-    struct notes *notes;              /**< Notes of opening the image, which nobody has heard yet: for notes_move(). */
+    struct notes *notes;              /**< Notes of opening the image, which no sink has had yet: for notes_move(). */
 };
 
 /** Reads the atlas @p xml and opens @p image, or the finest of its images where that is NULL. @p atlas gets the XML as
@@ -111,7 +111,7 @@ struct named_maps {
     const struct label_table *table; /**< Its numbers are those of the volumes, from 1; without the background's. Never
                                         NULL. */
     const char *source;              /**< For people: where the names come from. */
-    struct notes *notes;             /**< About the table, which nobody has heard yet: for notes_move(); NULL = none. */
+    struct notes *notes;             /**< About the table, which no sink has had yet: for notes_move(); NULL = none. */
     bool chosen;                     /**< The path chooses the one volume of the table. */
     bool is_one; /**< There is one volume, which the file or the user states to be of probabilities. */
 };
@@ -130,7 +130,7 @@ struct named_maps named_maps_find(struct job *job, const struct source *source, 
  * rule). */
 void named_maps_check(struct job *job, struct volume_file *file, double asked);
 
-/** Whether the name of the file says that its values are probabilities, as BIDS wants it: X_probseg.nii.gz. */
+/** Whether the name of the file says that its values are probabilities, as BIDS has it: X_probseg.nii.gz. */
 bool named_maps_is_probseg(const char *path);
 
 /* Meshes with fields of SimNIBS in HDF5 (Msh.write_hdf5): tetrahedra with an electric field, say. */

@@ -23,7 +23,7 @@ struct surfaces {
                             them do not state their space. */
     size_t count;
     enum mesh_space space;
-    struct notes notes; /* once all are read: which nobody has heard before they are gathered */
+    struct notes notes; /* once all are read: which no sink has had before they are gathered */
 };
 
 static void end_surfaces(void *thing)

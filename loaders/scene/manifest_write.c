@@ -56,7 +56,7 @@ static bool is_field(struct job *job, const struct manifest_draft *draft, const 
 {
     bool usable = false;
     const struct job_mark mark = job_mark(job);
-    const struct attempt attempt = job_try(job); /* whoever reads the volume says what is wrong */
+    const struct attempt attempt = job_try(job); /* reading the volume says what is wrong */
     const struct source *source = source_open(job, job_beside(job, draft->folder, name));
     const char *words = source ? field_words(&usable, source) : NULL;
     const bool is = job_ok(job) && words;

@@ -65,7 +65,7 @@ void mesh_file_match_sides(struct job *job, char surface_side, const char *surfa
     }
 }
 
-/* A file that is read. Its parser does not know the path: notes of before, and who hears them, wait until the end. */
+/* A file that is read. Its parser does not know the path: notes of before, and their sink, wait until the end. */
 struct reading {
     struct job *job;
     const char *path;

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Notes are said again by whoever reads the surface. */
+/* Reading the surface gives the notes again. */
 static const struct gifti *read_outline(struct job *job, struct text document)
 {
     struct attempt silent = job_try(job);

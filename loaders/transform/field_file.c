@@ -257,7 +257,7 @@ static struct field_header read_header(struct job *job, const struct source *sou
 const char *field_words(bool *usable, const struct source *source)
 {
     struct field_header header;
-    struct job job = {0}; /* whoever reads the volume says what is wrong */
+    struct job job = {0}; /* reading the volume says what is wrong */
     *usable = false;
     field_header_parse(&job, &header, source->head.bytes);
     const char *words = is_nifti(source) && job_ok(&job) ? field_header_words(usable, &header) : NULL;

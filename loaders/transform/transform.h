@@ -120,7 +120,7 @@ struct field_header {
     double parameter; /**< intent_p1, by which NiftyReg tells its kinds apart. */
 };
 
-enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to see, if there are as many. */
+enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() looks at, if there are as many. */
 
 /** Takes the fields from @p head, the first bytes of a NIfTI file (nifti_has_magic()), unpacked. */
 void field_header_parse(struct job *job, struct field_header *out, struct text head);

@@ -296,7 +296,7 @@ struct grey_result grey_judge(struct job *job, const struct label_voxels *labels
                               const struct grey_claims *claims);
 
 /** The same of the chosen volume of @p file. That is not grey where its intent code says labels, and is stated to be
- * labels where its name ends in "_dseg", as BIDS wants it, or @p stated. @p table may be NULL. */
+ * labels where its name ends in "_dseg", as BIDS has it, or @p stated. @p table may be NULL. */
 struct grey_result grey_judge_file(struct job *job, const struct volume_file *file, const struct label_voxels *labels,
                                    const struct label_table *table, bool stated);
 

@@ -18,7 +18,7 @@ enum { MATRIX = 16, ROW = 4, KEYS = 64 };
 
 static const struct text nameless = {"", 0};
 
-/* What is read here becomes a table, so that columns.h judges and hears all of it alike: a header, then lines. */
+/* What is read here becomes a table, so that columns.h judges and reads all of it alike: a header, then lines. */
 static void sheet_header(struct buffer *sheet, const conus_pose_options *options, bool has_target)
 {
     buffer_text(sheet, "name");

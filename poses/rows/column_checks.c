@@ -69,7 +69,7 @@ static void hear_rows(struct head *head)
     }
 }
 
-/* Hears a row without a header whose name is a space: "TAL: -42 -20 50". */
+/* Reads a row without a header whose name is a space: "TAL: -42 -20 50". */
 static void hear_name(struct head *head, struct text row)
 {
     double point[3];

@@ -274,7 +274,7 @@ void sides_warn(struct job *job, const struct sides *sides, int of_file);
 
 enum { NAMED_CELLS_MOST = 32 };
 
-/** Which cells of a table a reader wants; others are passed over. */
+/** Which cells of a table a reader takes; others are passed over. */
 struct named_cells {
     const char *const *names; /**< [count]; "a/b" is called a or b. */
     size_t count;             /**< At most NAMED_CELLS_MOST. */

@@ -301,7 +301,7 @@ enum space_axes {
     SPACE_AXES_VOXELS   /**< "i j k". */
 };
 
-/** What was heard so far. All 0: nothing. */
+/** What was read so far. All 0: nothing. */
 struct space_words {
     struct pose_space space; /**< The brain: pose_space_match() decides, and space_moves() says which is moved. */
     bool says_mni;           /**< MNI is named, perhaps beside another brain. */
@@ -316,7 +316,7 @@ struct space_words {
     int order[3]; /**< Of ordered ones: 0 is to a side, 1 to the front or back, 2 up or down. */
 };
 
-/** Hears a line, sentence by sentence. */
+/** Reads a line, sentence by sentence. */
 void space_words_hear(struct space_words *words, struct text line);
 
 /** Whether a text is nothing but words of spaces and units, or such as stand beside them in a line that names columns:
@@ -326,14 +326,14 @@ bool space_words_are_beside(struct text text);
 /** Whether a text names three axes and nothing else but such words: "columns: AP LAT VERT (mm)", "x: left, y: ...". */
 bool space_words_are_axes(struct text text);
 
-/** Hears what is said of coordinates alone: the cells of a column, or a word of its header. */
+/** Reads what is said of coordinates alone: the cells of a column, or a word of its header. */
 void space_words_hear_of(struct space_words *words, struct text word);
 
-/** Hears the name of a file, in which "native", "acpc" and "lps" need no word for positions beside them. */
+/** Reads the name of a file, in which "native", "acpc" and "lps" need no word for positions beside them. */
 void space_words_hear_name(struct space_words *words, struct text name);
 
-/** Hears a cell that is nothing but words of a space, or a name of BIDS; @p strong: only words that have no other
- * meaning. False where nothing is heard. */
+/** Reads a cell that is nothing but words of a space, or a name of BIDS; @p strong: only words that have no other
+ * meaning. False where nothing is read. */
 bool space_words_hear_cell(struct space_words *words, struct text cell, bool strong);
 
 /** The brain of a space by its name in BIDS, or as laboratories call their own; POSE_BRAIN_UNKNOWN: of none that is

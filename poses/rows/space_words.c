@@ -295,7 +295,7 @@ static bool is_alone(const struct sentence *sentence, const char *words)
     return all;
 }
 
-/* Whether the word is the only one that its sentence says, as a row wants it. */
+/* Whether the word is the only one that its sentence says, as a row needs it. */
 static bool is_said_alone(const struct sentence *sentence, const struct text token, const struct row *row)
 {
     const bool is_one = row->brain == SIGNS || (sentence->is_whole && (row->weight == ALONE || row->weight == LONE ||

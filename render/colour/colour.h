@@ -297,7 +297,7 @@ struct colour_view {
     uint32_t slices;                  /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;                 /**< Blends every sample: the same picture, slower, to compare with. */
     double draft;                     /**< mm; fewer streamlines, at least so wide: see id_pass.h. 0 = all. */
-    struct picture_listener listener; /**< Hears of the pieces that are drawn, and of each time that rays are cast. */
+    struct picture_listener listener; /**< Called for pieces that are drawn, and each time that rays are cast. */
     double shift[2];                  /**< From pixel centres to rays, in pixels, right and up.                   */
     const double *world_from_cone;    /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius;   /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */

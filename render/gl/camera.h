@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What pictures have without OpenGL: the camera, texels of a volume, and who hears of their pieces. */
+/** @file What pictures have without OpenGL: the camera, texels of a volume, and the listener to their pieces. */
 #ifndef CONUS_RENDER_GL_CAMERA_H
 #define CONUS_RENDER_GL_CAMERA_H
 
@@ -58,7 +58,7 @@ enum volume_texture_kind {
     VOLUME_TEXTURE_FLOAT4     /**< RGBA32F, never filtered: a table. */
 };
 
-/* Who hears of the pieces of a picture. Needs no GL. */
+/* The listener to the pieces of a picture. Needs no GL. */
 
 /** Receives progress and may cancel a picture between its pieces; `progress` may be NULL. */
 struct picture_listener {
@@ -66,7 +66,7 @@ struct picture_listener {
     void *user;
 };
 
-/** Reports piece @p done of @p total. CONUS_ERROR_CANCELLED if the listener wants no more. */
+/** Reports piece @p done of @p total. CONUS_ERROR_CANCELLED if the listener ends it. */
 static inline conus_status listener_tell(const struct picture_listener *listener, size_t done, size_t total)
 {
     return !listener->progress || listener->progress(listener->user, done, total)

@@ -195,7 +195,7 @@ void shader_list_begin(struct shader_list *list, uint32_t pixels, uint32_t per_p
 bool shader_list_next(struct shader_list *list, GLuint binding);
 
 /** Reads the @p count records that these have appended, in any order, but those of one shader in theirs. They are
- * borrowed until the next call. None are told where they did not fit: the pixels come again. */
+ * borrowed until the next call. None are given where they did not fit: the pixels come again. */
 conus_status shader_list_read(struct shader_list *list, const void **records, uint32_t *count);
 
 /* An off-screen framebuffer with named attachments. Everything happens in the current context; no multisampling,

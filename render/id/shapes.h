@@ -161,7 +161,7 @@ struct mesh_layer_view {
     double shift[2];                  /**< From pixel centres to rays, in pixels, right and up. */
     const float *opacity;             /**< By mesh, from 0 on; NULL = all 1. A mesh of opacity 0 is not drawn. */
     double draft;                     /**< mm; fewer streamlines, at least so wide: see id_pass.h. 0 = all. */
-    struct picture_listener listener; /**< Hears of pieces of streamlines. */
+    struct picture_listener listener; /**< Called for pieces of streamlines. */
 };
 
 /** What takes a place relative to the eye to the picture: right and up in halves of it, times the depth; the depth. */

@@ -221,7 +221,7 @@ static conus_status shares_of_box(struct shares *shares, const double low[3], co
 
 /* The sums of all voxels or tetrahedra. */
 
-/* Lines through a voxel along each of its first two axes, on which it is told what is in several surfaces or in none.
+/* Lines through a voxel along each of its first two axes, on which it is found what is in several surfaces or in none.
  */
 enum { LINES = 4, QUARTERS = 4 };
 

@@ -275,7 +275,7 @@ static bool run_words(struct calling *calling, struct process_end *end)
     return ended && (end->kind == PROCESS_EXITED || refuse_call(calling, "conus ended: %s", end->how));
 }
 
-/* Of a line about a file, words of that file go: who asks may read answers, and not any file. */
+/* Of a line about a file, words of that file go: a client may read answers, and not any file. */
 static void hide_words(char *line)
 {
     char *begin = line + (strncmp(line, "conus: ", 7) == 0 ? 7 : 0);

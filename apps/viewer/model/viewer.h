@@ -213,7 +213,7 @@ char view_atlas_side(const struct view_atlas *view, size_t number);
 /** The volume of a pathway from a threshold on; NULL of another object. */
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object);
 
-/* How long frames, pictures and selections take, for docs/benchmarks.md and for whoever wants to know. */
+/* How long frames, pictures and selections take, for docs/benchmarks.md. */
 
 enum timed {
     TIMED_FRAME = 0, /**< Drawing the window, without waiting for the screen.                        */

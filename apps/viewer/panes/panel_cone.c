@@ -235,7 +235,7 @@ static void search_area(struct window *window)
     free(found);
 }
 
-/* A needle, whose depths are told from the surface, has no start before it: what is lit is what is. */
+/* A needle, whose depths count from the surface, has no start before it: what is lit is what is. */
 static void choose_start(struct window *window)
 {
     const struct property *row = &properties[PROPERTY_START];

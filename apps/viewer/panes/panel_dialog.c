@@ -23,7 +23,7 @@ static void draw_line(struct window *window)
     ui_take_keys(&dialog->takes_keys);
     bool entered = ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selected,
                                 &dialog->is_set);
-    int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
+    int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c takes them */
     if (moved) {
         dialog_move(dialog, moved);
     }

@@ -31,7 +31,7 @@ static void draw_field(struct window *window)
     ui_take_keys(&start->takes_keys);
     bool asked = ui_type_path("##path", start->typed, sizeof start->typed,
                               "search installed atlases, or ~/atlases/aal.nii.gz", "", SIZE_MAX, &start->is_set);
-    int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
+    int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c takes them */
     if (moved) {
         start_move(start, moved);
     }

@@ -43,7 +43,7 @@ struct inputs {
     const struct station_settings *asked; /**< The options of trackers that conus was started with; NULL = none. */
     char address[TRACKER_ADDRESS];        /**< The station that inputs_connect() starts, as --connect has it. */
     struct station *second_station;       /**< For the second tool; NULL = the first one's. */
-    bool has_second_tool;                 /**< The first one's station hears of it. */
+    bool has_second_tool;                 /**< The first one's station takes its poses. */
     struct devices devices;
 };
 
@@ -89,7 +89,7 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
 bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3]);
 
 /** How far before the surface the mouse's cone begins, mm, where it does so: 40, or half the radius of a small atlas. A
- * cone whose range has an end begins on the surface then: its depths are told from there. */
+ * cone whose range has an end begins on the surface then: its depths count from there. */
 double point_before(const struct viewer *viewer);
 /** Where it does begin. */
 enum starts point_start(const struct viewer *viewer);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the widgets' files share, and what tests hear of widgets. */
+/** @file What the widgets' files share, and what tests learn of widgets. */
 #ifndef CONUS_VIEWER_UI_PARTS_H
 #define CONUS_VIEWER_UI_PARTS_H
 
@@ -15,14 +15,14 @@ extern "C" void pop_heading(void);
 /** Loads the font for @p scale, and sets sizes and the theme's colours. False where there is no font. */
 bool ui_style(float scale);
 
-/** What a test (tests/apps/ui_audit.cpp) hears of: a widget that is as wide as its text, one that people use, the tip
+/** What a test (tests/apps/ui_audit.cpp) records: a widget that is as wide as its text, one that people use, the tip
  * of the widget before, and a text within something so wide. */
 enum audit_event { AUDIT_ITEM, AUDIT_WIDGET, AUDIT_TIP, AUDIT_WITHIN };
 struct audit_listener {
     void (*hear)(audit_event event, const char *text, float room);
 };
 
-/** Whether a test hears: then all sections are open. */
+/** Whether a test records: then all sections are open. */
 inline bool audit_runs(void)
 {
     return ImGui::GetIO().UserData;

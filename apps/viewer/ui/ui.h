@@ -105,7 +105,7 @@ void ui_begin(double now);
 /** Draws everything into the window's framebuffer. */
 void ui_end(void);
 
-/** Whether the widgets want the whole keyboard: a text is being typed, or a list of choices is open. */
+/** Whether the widgets take the whole keyboard: a text is being typed, or a list of choices is open. */
 bool ui_wants_keys(void);
 bool ui_lists(void); /**< A list of choices is open. */
 /** Height of a line of text. */

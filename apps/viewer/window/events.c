@@ -183,7 +183,7 @@ static void note_focus(GLFWwindow *handle, int has_it)
 }
 
 /* Keys that type, alone or together, do not move or press anything: several of them may be pressed and let go in one
- * frame. So may keys that are held down, which nothing but the window's own commands hears of again. */
+ * frame. So may keys that are held down, which nothing but the window's own commands gets again. */
 static bool is_typed(const struct ui_event *event)
 {
     bool types = event->code > GLFW_KEY_SPACE && event->code <= GLFW_KEY_WORLD_2 && !(event->mods & GLFW_MOD_CONTROL);

@@ -172,7 +172,7 @@ struct folder {
 void folder_read(struct folder *folder, const char *path, enum folder_filter filter);
 void folder_finish(struct folder *folder);
 
-/** Whether a file's name ends as one that conus can open, or a session; those without an ending are told by nothing. */
+/** Whether a file's name ends as one that conus can open, or a session; those without an ending can be anything. */
 bool folder_can_open(const char *name);
 /** Whether @p text is in @p name; upper and lower case are the same. */
 bool folder_fits(const char *name, const char *text);

@@ -501,7 +501,7 @@ void window_use_dialog(struct window *window);
 void window_use_folder(struct window *window);
 /** Shows the start page, which says what would be lost with the atlas that is open. */
 void window_go_to_start(struct window *window);
-/** Wants several files: an atlas or a session, and files to add to it, in any order. */
+/** Takes several files: an atlas or a session, and files to add to it, in any order. */
 void window_request_files(struct window *window, size_t count, const char *const *paths);
 /** Asks the user how @p request, which it takes over, is to be opened. */
 void window_ask(struct window *window, struct open_request *request);
@@ -518,7 +518,7 @@ void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Makes texts and panels larger by so many steps, a tenth each, or smaller; 0 = as large as they were at first. */
 void window_zoom(struct window *window, int steps);
-/** Says how large the desktop wants texts on the screen that the window came to. */
+/** Sets how large the desktop has texts on the screen that the window came to. */
 void window_rescale(struct window *window, float content);
 /** Ends the message of the status line: the user does the next thing, after which it may be true no more. */
 void window_forget_message(struct window *window);

@@ -105,7 +105,7 @@ struct sink_array *sink_array(struct mesh_sink *sink, struct text name, bool per
  * above max_memory. */
 float *sink_array_grow(struct mesh_sink *sink, struct sink_array *array, size_t more);
 
-/** Hears what the comment @p text says of the space: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS", others "coordinate
+/** Reads what the comment @p text says of the space: 3D Slicer writes "SPACE=RAS" or "SPACE=LPS", others "coordinate
  * system: LPS"; and of the unit: "units: mm". A failure for another unit, and where the space contradicts what the file
  * has said before. */
 void sink_said(struct mesh_sink *sink, struct text text);

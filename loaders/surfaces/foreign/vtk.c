@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses VTK's legacy format: lines, polygons and strips of triangles, and for who wants lines numbers of points and
+/* Parses VTK's legacy format: lines, polygons and strips of triangles, and on request lines and numbers of points and
  * lines. */
 #include "loaders/surfaces/foreign/foreign.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses VTK's XML format: polygons, then strips, of each piece; for who wants them lines, and numbers of points and
+/* Parses VTK's XML format: polygons, then strips, of each piece; on request lines, and numbers of points and
  * cells. */
 #include "loaders/surfaces/foreign/foreign.h"
 

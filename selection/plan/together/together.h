@@ -24,7 +24,7 @@ struct bodies {
 conus_status bodies_init(struct bodies *out, double radius, const double *shanks, size_t shank_count,
                          const conus_part *parts, size_t part_count);
 
-/** Where the bodies of candidates are: arrays of coordinates, as loops over candidates want them. */
+/** Where the bodies of candidates are: arrays of coordinates, as loops over candidates read them. */
 struct body_list {
     const struct bodies *bodies;
     size_t count;
