@@ -705,6 +705,11 @@ static int answer_query(struct query_run *run)
                  "needles are asked for what they meet first: --layers all asks what they pass, --segments FILE what "
                  "the axis passes, in order");
     }
+    bool is_endless = (axis->segments || axis->clearance) && run->has_cones && !run->has_needles && !run->probe &&
+                      option_given(request->arguments, "pose") && !option_given(request->arguments, "range");
+    say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet || !is_endless,
+             "axes without an end go on behind their targets: --range 0,target ends them there, --range 0,MM at a "
+             "depth");
     say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet || !run->leads,
              "%zu ax%s outside of the atlas's objects (the first in line %zu, %.2f mm before one): depths are from the "
              "position of a pose, not from the surface",

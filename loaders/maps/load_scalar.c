@@ -318,6 +318,16 @@ static void warn_of_p_values(struct job *job, const conus_volume_info *info, con
     }
 }
 
+/* Warns of a threshold that may be meant of fractions, where the values may be per cent. */
+static void warn_of_percent(struct job *job, const conus_volume_info *info, double threshold)
+{
+    if (threshold > 0 && threshold <= 1 && info->minimum >= 0 && info->maximum >= 10 && info->maximum <= 100) {
+        job_warn(job, "%s: values from %s to %s, and a threshold of %s: if the values are per cent, that is %s %%",
+                 info->path, NUMBER_TEXT(info->minimum), NUMBER_TEXT(info->maximum), NUMBER_TEXT(threshold),
+                 NUMBER_TEXT(threshold));
+    }
+}
+
 static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *file, const struct scene_item *item)
 {
     struct value_map map = {0};
@@ -325,6 +335,7 @@ static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *fil
     if (job_ok(job)) {
         const char *name = choose_name(job, item->label.name, file);
         choose_threshold(job, &file->info, &map, item->threshold, name);
+        warn_of_percent(job, &file->info, item->threshold);
         struct p_values p = {0};
         const bool may_be = file->info.minimum >= 0 && file->info.maximum <= 1 &&
                             strcmp(file->info.unit, "probability") != 0; /* a word of the user, or the name */
@@ -419,10 +430,20 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
     file->info.threshold = threshold;
     const size_t count = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
     struct p_values p = {0};
-    for (size_t i = 0; values && threshold > 0 && i < count; i++) {
-        p_values_add(&p, values[i], threshold);
+    size_t masked = 0; /* voxels of a mask */
+    for (size_t i = 0; values && i < count; i++) {
+        if (threshold > 0) {
+            p_values_add(&p, values[i], threshold);
+        }
+        masked += threshold == 0 && values[i] != 0 && !isnan(values[i]);
     }
     warn_of_p_values(job, &file->info, &p, false);
+    warn_of_percent(job, &file->info, threshold);
+    const double part = (double)(threshold > 0 ? p.taken : masked) / (double)count;
+    if (part > 0.75 && count > 100000) { /* of an image of a brain a third is brain; a cut-out is small */
+        job_warn(job, "%s: the region is %.3g %% of the whole grid: is a mask inverted, or a map of p values meant?",
+                 file->info.path, 100 * part);
+    }
     if (p.opposite) {
         job_note(job,
                  "%zu voxels have values of -%s and less, and are not in the region: a threshold of -%s takes them",

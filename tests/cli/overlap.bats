@@ -180,6 +180,31 @@ the large ones; such a map is asked as 1 - p, or as its z values"* ]]
     fails 2 'and is no mask, or was resampled (then take 0.5): a threshold is needed' overlap nested.nii.gz mask.nrrd
 }
 
+# 64,000 of 125,000 voxels are half of the grid, all of them are no mask of a lesion's.
+@test "a region of nearly the whole grid, and a fraction of per cents, are warned of" {
+    conus phantom nested -o .
+    image() { # VALUE OF THE FIRST VOXELS, THEIR NUMBER
+        printf '%s\n' NRRD0004 'type: uint8' 'dimension: 3' 'sizes: 50 50 50' 'space: RAS' 'encoding: raw' \
+            'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (-25,-25,-25)' '' >image.nrrd
+        { head -c "$2" /dev/zero | tr '\0' "\\$1" && head -c "$((125000 - $2))" /dev/zero; } >>image.nrrd
+    }
+    image 001 124000
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz image.nrrd -q
+    [[ "$stderr" == *"image.nrrd: the region is 99.2 % of the whole grid: is a mask inverted, or a map of p values meant?"* ]]
+    image 001 64000
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz image.nrrd
+    [[ "$stderr" != *'whole grid'* ]]
+    image 144 1000 # 100
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz image.nrrd --threshold 0.5 -q
+    [[ "$stderr" == *'image.nrrd: values from 0 to 100, and a threshold of 0.5: if the values are per cent, that is 0.5 %'* ]]
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --point 0,0,0 --pathway image.nrrd,threshold=0.5 -q
+    [[ "$stderr" == *'image.nrrd: values from 0 to 100, and a threshold of 0.5'* ]]
+    for threshold in 50 2; do
+        run -0 --separate-stderr "$CONUS" overlap nested.nii.gz image.nrrd --threshold "$threshold"
+        [[ "$stderr" != *'per cent'* ]]
+    done
+}
+
 # Published maps of probabilities have a tail, or most at both ends.
 @test "a pathway of a map of p values is warned of" {
     conus phantom nested -o .
