@@ -587,7 +587,9 @@ static void open_text(struct job *job, conus_pose_stream *stream)
     const bool is_whole = is_read_whole(stream);
     const char *format = conus_pose_format_name(stream->format);
     if (stream->options.along_shafts && stream->format != POSE_FORMAT_ELECTRODES) {
-        job_bad(job, "shafts are for electrodes (BIDS), not for %s%s", format,
+        job_bad(job,
+                "shafts are for electrodes (BIDS: name, x, y, z, size, with tabs, in *_electrodes.tsv), not for %s%s",
+                format,
                 pose_electrodes_header(first_row(&(size_t){0}, at_hand(&stream->lines), true), true)
                     ? "; --poses-format electrodes reads it as these"
                     : "");

@@ -490,7 +490,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     fails 2 '--axis: ' query sphere.nii.gz --pose a --axis w
     printf %b "$HEADER$FIRST" >poses.tsv
     fails 3 'so that no axis (+x) is to be chosen' query sphere.nii.gz --pose poses.tsv --axis +x
-    fails 3 'shafts are for electrodes (BIDS), not for table' query sphere.nii.gz --pose poses.tsv --along-shafts
+    fails 3 'shafts are for electrodes (BIDS: name, x, y, z, size, with tabs, in *_electrodes.tsv), not for table' query sphere.nii.gz --pose poses.tsv --along-shafts
     fails 3 'poses.tsv: ' query sphere.nii.gz --pose poses.tsv --poses-format localite
 }
 

@@ -323,7 +323,8 @@ static void contacts_look_along_their_shafts(void **state)
     assert_row_fails(list, 4, "RH2", "the only contact of its shaft \"RH\"");
     conus_pose_list_destroy(list);
     refuse("name\tx\ty\tz\tdx\tdy\nA\t0\t0\t0\t0\t0\n", NULL, "only some of the columns dx dy dz"); /* a table */
-    refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are for electrodes (BIDS), not for points");
+    refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true},
+           "shafts are for electrodes (BIDS: name, x, y, z, size, with tabs, in *_electrodes.tsv), not for points");
     refuse("name\tx\ty\tz\tmni_x\tmni_y\tmni_z\nA1\t1\t2\t3\t1\t2\t3\n", &(conus_pose_options){.along_shafts = true},
            "not for table; --poses-format electrodes reads it as these");
     refuse("name\tx\ty\tz\n", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z}, "no axis (+z)");

@@ -173,7 +173,9 @@ static void lead_dbs_contacts(void **state)
     assert_non_null(strstr(conus_message(), "no axis (+z)"));
     assert_fails(conus_pose_list_load(&list, pose_sample("lead-dbs.mat"), &(conus_pose_options){.along_shafts = true}),
                  CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "shafts are for electrodes (BIDS), not for"));
+    assert_non_null(
+        strstr(conus_message(),
+               "shafts are for electrodes (BIDS: name, x, y, z, size, with tabs, in *_electrodes.tsv), not for"));
 }
 
 /* reco.native.coords_mm = {[], contacts, contacts}, without any other space. */
