@@ -8,6 +8,7 @@ import fs from "node:fs";
 import http from "node:http";
 import { createRequire } from "node:module";
 import path from "node:path";
+import { pathToFileURL } from "node:url";
 
 const here = createRequire(path.join(process.cwd(), "app.js"));
 const { chromium } = here("playwright-core");
@@ -34,6 +35,28 @@ fs.writeFileSync("names.json", JSON.stringify({ I, labels: ["", ...areas.map(([,
 fs.writeFileSync("app.js", APP);
 execFileSync(path.join(path.dirname(here.resolve("esbuild/package.json")), "bin/esbuild"), ["app.js", "--bundle", "--format=esm", "--outfile=bundled/app.js", "--log-level=error"]);
 for (const name of ["worker.js", "conus.wasm"]) fs.copyFileSync(`node_modules/conus/lib/${name}`, `bundled/${name}`);
+
+// Of NiiVue and conus here only their times are: of what it is painted in, the red of label 1, whose own is 9.
+const { Cone } = await import(pathToFileURL("node_modules/conus/lib/niivue.mjs"));
+const coneOf = (failures, select) => {
+  const volume = { colormapLabel: { labels: ["", "a"], lut: Uint8ClampedArray.of(0, 0, 0, 0, 9, 9, 9, 255) } }, reds = [], errors = [];
+  const nv = { volumes: [volume], createExtensionContext: () => ({ on() {}, dispose() {} }), async setColormapLabel(_, { R }) {
+    if (failures-- > 0) throw new Error("no context");
+    reds.push(R[1]);
+  } };
+  return { reds, errors, cone: Object.assign(new Cone(nv, volume, { colours: ["#ff0000"], select, close() {} }, {}), { onerror: (error) => errors.push(error.message) }) };
+};
+const rows = [{ rank: 1, index: 1 }];
+const failing = coneOf(2, async () => rows); // the answer's colours, and then its own
+for (const x of [0, 1]) await failing.cone.point([x, 0, 0]);
+assert.deepEqual([failing.errors, failing.reds], [["no context", "no context"], [255]]);
+let give;
+const closing = coneOf(0, () => new Promise((done) => { give = done; }));
+const asked = closing.cone.point([0, 0, 0]);
+give(rows);
+await closing.cone.dispose();
+await asked;
+assert.deepEqual(closing.reds, [9]);
 
 const TYPES = { ".js": "text/javascript", ".wasm": "application/wasm" };
 const server = http.createServer(({ url }, answer) => {

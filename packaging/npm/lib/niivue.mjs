@@ -58,14 +58,14 @@ export class Cone {
         await this.#paint((i, label) => (label ? found.get(label) ?? REST : [0, 0, 0, 0]));
         this.onanswer(rows, question);
       } catch (error) {
-        await this.#paint((i) => this.#own.lut.subarray(4 * i, 4 * i + 4)); // not the answer before
+        await this.#paint().catch(this.onerror); // not the answer before
         this.onerror(error);
       }
     }
     this.#isBusy = false;
   }
 
-  async #paint(colourOf) {
+  async #paint(colourOf = (i) => this.#own.lut.subarray(4 * i, 4 * i + 4)) {
     const { labels, min = 0 } = this.#own;
     const I = labels.map((_, i) => min + i);
     const colours = I.map((label, i) => colourOf(i, label));
@@ -79,7 +79,9 @@ export class Cone {
     this.onanswer = this.onerror = () => {};
     this.#next = null;
     this.atlas.close();
-    await this.#paint((i) => this.#own.lut.subarray(4 * i, 4 * i + 4));
+    const painted = this.#paint();
+    this.#volume = null; // an answer that is here already paints no more
+    await painted;
   }
 }
 
