@@ -57,6 +57,10 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     cites d.tsv
     has 'a ball with a radius of 5 mm were determined for one point'
     [[ "$output" != *ray* && "$output" != *Rick* && "$output" != *cone* ]]
+    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n0\t-100\t0\t0\t1\t0\t95\n' >far.tsv
+    conus query nested.nii.gz --pose far.tsv -q -o far.rows.tsv
+    cites far.rows.tsv
+    has 'two depths along the axis counted: 0 mm and 95 mm from the apex.'
     conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --angle 150 -q -o e.tsv
     cites e.tsv
     has 'evenly spread in angle where it opens beyond 120°'
@@ -157,7 +161,7 @@ END
         cites $result
         has "The areas along the device's axis, a straight line from the device's position on, were determined in order"
         has 'The axis is a geometric model'
-        [[ $result == other.json || "$output" == *'counted: 10 mm and 90 mm from the apex.'* ]]
+        [[ $result == other.json || "$output" == *"counted: 10 mm and 90 mm from the device's position."* ]]
         [[ "$output" != *Rick* && "$output" != *cone* && "$output" != *ray* && "$output" != *share* && "$output" != *score* ]]
     done
     cites cone.tsv

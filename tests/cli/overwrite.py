@@ -64,6 +64,8 @@ ROWS = [
     ("pack both.atlas.json --labels own.tsv --context region.nii.gz", {"output": ".conus"},
      ["both.atlas.json", "u-shape.nii.gz", "own.tsv", "grey.nii.gz", "bundle.tck", "region.nii.gz"]),
     (f"query both.conus {AIM}", {"output": ".tsv", "mask": ".nii.gz"}, ["both.conus"]),
+    (f"query both.conus --atlas pair.conus {AIM}", {"output": ".tsv"}, ["both.conus", "pair.conus"]),
+    ("batch both.conus --poses poses.tsv", {"output": ".tsv", "segments": ".csv"}, ["both.conus", "poses.tsv"]),
     ("pack pair.hdr", {"output": ".conus"}, ["pair.hdr", "pair.img", "pair.tsv"]),
     ("page both.atlas.json --template template.html", {"output": ".html"},
      ["both.atlas.json", "u-shape.nii.gz", "u-shape.tsv", "grey.nii.gz", "bundle.tck", "template.html"]),
@@ -145,7 +147,8 @@ def make_inputs(folder):
          "contact_ids": [f"e{i}" for i in range(40)], "probe_planar_contour": [[-1, 60], [-1, 0], [1, 0], [1, 60]]}]}))
     write("both.atlas.json", json.dumps({"conus_atlas": 1, "parcellation": {"file": "u-shape.nii.gz"},
                                          "context": {"file": "grey.nii.gz"}, "streamlines": [{"file": "bundle.tck"}]}))
-    run(folder, "pack both.atlas.json -o both.conus".split()).check_returncode()
+    for words in ("pack both.atlas.json -o both.conus", "pack pair.hdr -o pair.conus"):
+        run(folder, words.split()).check_returncode()
     write("head.surf.gii", gifti(*ball(90, 60)))
     signs = [(20, 0, 0), (-20, 0, 0), (0, 20, 0), (0, -20, 0), (0, 0, 20), (0, 0, -20)]
     write("skin.func.gii", gifti(signs, [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]))

@@ -88,6 +88,9 @@ EOF
     [ "$(jq -r '.Atlas.volumes[0].path' rows.json)" = sphere.nii.gz ]
     rm sphere.nii.gz sphere.tsv # a pack needs none
     run -0 --separate-stderr "$CONUS" verify rows.tsv
+    mv s.conus data # a link's name says what it is
+    ln -s data s.conus
+    run -0 --separate-stderr "$CONUS" verify rows.tsv
     printf 'x' | dd of=s.conus bs=1 seek=30000 conv=notrunc status=none
     run --separate-stderr "$CONUS" verify rows.tsv
     [ "$status" -ne 0 ]

@@ -118,7 +118,7 @@ columns() {
     answers cite rows.tsv
     output=$(tr '\n' ' ' <<<"$output")
     has 'A needle with a radius of 1 mm was tried at 4 candidate poses with conus'
-    has 'Constraints were at least 5 mm of the axis in U; more than 3 mm of clearance from Ball. 2 poses hold all of them'
+    has 'constraints were: at least 5 mm of the axis in U; more than 3 mm of clearance from Ball. Of these poses 2 held all of them'
 }
 
 @test "every format, and the sidecar" {

@@ -23,7 +23,7 @@ struct sentence {
 
 #define CONUS "with conus, version {version}{rays?, which selects by conic volumes after Rick et al. (2010)}."
 #define DEPTHS " Only what lies between two depths along the axis counted: "
-#define APEX "{tube?device's position|apex}"
+#define APEX "{tube?device's position|{rays?apex|device's position}}"
 #define OWN "{own?, or the pose's own where the file gives them}."
 #define EXACT                                                                                                          \
     "{tetrahedra? Volumes are exact for the tetrahedra and voxels as they are; surfaces were measured along lines "    \
@@ -90,7 +90,8 @@ static const struct sentence of_rows[] = {
      " Candidate poses of each had to hold its constraints: {Plan.rows}. Any two "
      "needles had to be farther apart than {Plan.between.shafts_mm} mm{Plan.between.parts_mm?, their parts than @ mm}"
      "{Plan.entry_distance_mm?, and their positions @ mm or more}. The leeway of a combination is a distance for which "
-     "is proven that nothing breaks while no point of any needle is off by more; sought was the largest one, and with "
+     "it is proven that nothing breaks while no point of any needle is off by more; sought was the largest one, and "
+     "with "
      "that the largest sum of the needles' own ones (Eq. 25 to 28 of conus's documentation)."},
     {"Plan.arcs", " A rig was to carry them on arcs {Plan.arcs.spacing_deg} degrees or more apart"
                   "{Plan.arcs.most?, @ at most}, needles on one arc {Plan.arcs.slider_deg} degrees or more apart"
@@ -102,10 +103,13 @@ static const struct sentence of_rows[] = {
     {"Plan.combinations.last.proven",
      " It was proven that none is better{Plan.diverse?, for each one that is listed}."},
     {"Plan !Plan.needles",
-     "A needle{Settings.radius_mm? with a radius of @ mm|, its axis,} was tried at {Plan.candidates} candidate "
-     "poses " CONUS " Constraints were {Plan.constraints}. {Plan.funnel.last} poses hold all of them (Eq. 21 "
-     "and 22 of conus's documentation), and were ranked by {Question.options.rank|leeway,-depth}. The leeway "
-     "of a pose is a distance for which is proven that no pose whose axis is off by less breaks a constraint."},
+     "A needle{Settings.radius_mm? with a radius of @ mm|, taken as its axis,} was tried at {Plan.candidates} "
+     "candidate "
+     "poses " CONUS
+     " The constraints were: {Plan.constraints}. Of these poses {Plan.funnel.last} held all of them (Eq. "
+     "21 and 22 of conus's documentation). Their order is by {Question.options.rank?the keys @ (--rank of conus plan)|"
+     "leeway, the largest first, then by depth, the smallest first}. The leeway of a pose is a distance for which it "
+     "is proven that no pose whose axis is off by less breaks a constraint."},
     {"Plan", " The candidates were those of the command \"{GeneratedBy.0.CommandLine}\"."},
     {0},
 };
@@ -114,7 +118,9 @@ static const struct sentence of_rows[] = {
 static const struct sentence of_settings[] = {
     {"Settings.range_mm", DEPTHS "{Settings.range_mm.0} mm and {Settings.range_mm.1} mm from the " APEX OWN},
     {"!Settings.range_mm Question.options.range", DEPTHS "{Question.options.range} mm from the " APEX OWN},
-    {"!Settings.range_mm !Question.options.range own !Plan", DEPTHS "the pose's own, where the file gives them."},
+    {"!Settings.range_mm !Question.options.range own !Plan",
+     DEPTHS "{single?{Queries.0.range_mm.0} mm and {Queries.0.range_mm.1} mm from the " APEX
+            "|the pose's own, where the file gives them}."},
     {"rays", " {Shape} was filled with {rays}."},
     {"rays !slices", " Each ray was followed exactly, {all?through all objects|to the first object that it hits}: no "
                      "voxel and no triangle on its way was left out."},
@@ -606,6 +612,7 @@ static json_t *facts_of(const struct citation *citation, const json_t *atlases)
     set_if(facts, "point", is_ball && asked.ball <= CONUS_POINT_RADIUS);
     set_if(facts, "nearest", asked.ball == 0);
     set_if(facts, "own", holds(facts, "Batch.own_ranges") || holds(facts, "Settings.own_ranges") || asked.with_range);
+    set_if(facts, "single", asked.with_range && asked.poses == 1);
     set_if(facts, "all", holds(facts, "Settings.layers=all"));
     set_if(facts, "scalp", holds(facts, "Plan") && strstr(text_of(facts, "GeneratedBy.0.CommandLine"), " --scalp"));
     set_shape(facts, &asked);

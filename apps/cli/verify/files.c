@@ -41,7 +41,7 @@ static bool try_path(struct found_file *out, const struct recorded_file *file, c
         return false;
     }
     bool is_folder = info.kind == SYSTEM_FOLDER && file->sha256 && file->bytes < 0;
-    bool is_same = is_folder || (info.kind == SYSTEM_FILE && has_sum(file, real, info.size));
+    bool is_same = is_folder || (info.kind == SYSTEM_FILE && has_sum(file, joined, info.size));
     if (is_same || (info.kind == SYSTEM_FILE && state == FILE_SAME)) {
         free(out->path);
         out->path = strdup(real);

@@ -4,7 +4,6 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "cli/verify/verify.h"
-#include "conus/own.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "sources/names.h"
@@ -163,42 +162,24 @@ static void put_read(struct writing *out, const char *name, const char *given, b
     free(word);
 }
 
-typedef conus_status (*catalogue_search)(const conus_installed **out, const conus_catalogue *catalogue,
-                                         const char *name);
-
-/* An atlas or image. What was given by its name is the recorded file, and by its name if that still means it. */
-static void put_named(struct writing *out, const char *name, const char *given, const char *recorded,
-                      catalogue_search find)
+/* An atlas or image. What was given by its name is the recorded file, with the keys that it was given. */
+static void put_named(struct writing *out, const char *name, const char *given, const char *recorded)
 {
-    const conus_installed *atlas = NULL;
-    conus_catalogue *catalogue = NULL;
+    char *keyed = NULL;
     if (!recorded || !path_is_name(given) || is_recorded(out->replay->record, given)) {
         put_read(out, name, given, true);
-        return;
-    }
-    const size_t length = keys_file_length(given, KEYS_ATLAS);
-    const size_t file = keys_file_length(recorded, KEYS_ATLAS); /* which has all keys but that of the brain */
-    char *installed = strdup(given);
-    char *keyed = NULL;
-    if (installed) {
-        installed[length] = '\0';
-    }
-    if (asprintf(&keyed, "%.*s%s", (int)file, recorded, given + length) < 0) {
-        keyed = NULL;
+    } else if (asprintf(&keyed, "%.*s%s", (int)keys_file_length(recorded, KEYS_ATLAS), recorded,
+                        given + keys_file_length(given, KEYS_ATLAS)) < 0) {
         out->words.is_lost = true;
+    } else {
+        put_read(out, name, keyed, true);
+        free(keyed);
     }
-    bool same = installed && !conus_catalogue_create(&catalogue, NULL) && !find(&atlas, catalogue, installed) &&
-                strlen(atlas->path) == file && strncmp(atlas->path, recorded, file) == 0 && !out->replay->is_moved;
-    conus_catalogue_destroy(catalogue);
-    out->bad = is_recorded(out->replay->record, recorded) ? out->bad : recorded;
-    put_read(out, name, same || !keyed ? given : keyed, !same);
-    free(installed);
-    free(keyed);
 }
 
 static void put_atlas(struct writing *out, const char *name, const char *given, size_t index)
 {
-    put_named(out, name, given, record_atlas(out->replay->record, index), conus_catalogue_find);
+    put_named(out, name, given, record_atlas(out->replay->record, index));
 }
 
 /* A file of the same name in a folder of its own, with its key. */
@@ -250,7 +231,7 @@ static void put_use(struct writing *out, const struct option_use *use)
         put_atlas(out, name, use->value, ++out->atlases);
         break;
     case OPTION_READS_IMAGE:
-        put_named(out, name, use->value, record_context(out->replay->record), conus_catalogue_find_image);
+        put_named(out, name, use->value, record_context(out->replay->record));
         break;
     case OPTION_WRITES_ANSWER:
     case OPTION_WRITES:
