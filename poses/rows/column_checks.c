@@ -430,25 +430,30 @@ static void judge(const struct census *c, const struct head *head, double longes
     }
 }
 
-/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate; of coordinates
- * also the largest, which may be far from any mouse. */
+/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate; of a row of
+ * numbers also the largest coordinate, which may be far from any mouse. */
 static void find_faults(bool *has_word, bool *has_glyph, double *farthest, const struct columns *columns,
                         struct text text)
 {
     struct table_line line;
     bool fits = table_split(&line, &columns->table, text);
+    bool is_whole = true;
+    double largest = 0;
     *has_word = *has_glyph = false;
     for (size_t i = 0; fits && i < line.count && i < columns->count; i++) {
-        double value = 0;
+        double value = NAN;
         struct text cell = line.cells[i];
+        bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
         bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
-        *farthest = columns->role_of[i] < ROLE_X + 3 && isfinite(value) ? fmax(*farthest, fabs(value)) : *farthest;
+        is_whole = is_whole && (!is_coordinate || (!is_word && isfinite(value)));
+        largest = is_coordinate ? fmax(largest, fabs(value)) : largest;
         bool is_glyph = cell.size && (unsigned char)cell.data[0] >= 0x80 && !text_minus(cell);
         size_t length = is_glyph ? text_character(cell) : 0;
         *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
-        *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
+        *has_glyph |= is_word && is_coordinate && length && length < cell.size &&
                       isdigit((unsigned char)cell.data[length]);
     }
+    *farthest = is_whole ? fmax(*farthest, largest) : *farthest;
 }
 
 void columns_check_numbers(const struct head *head)

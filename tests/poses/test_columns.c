@@ -524,6 +524,17 @@ static void lines_that_are_no_rows(void **state)
     assert_true(pose_has_note(list, "1 lines without a number passed over, the first in line 7"));
     assert_true(pose_has_note(list, "1 rows called Mean, SD or Total passed over, the first in line 9"));
     conus_pose_list_destroy(list);
+    /* 999 in all three is no position, as pandas writes it, too; in two of them it is one */
+    list = pose_text_parse(text_from("x,y,z\n1,2,3\n999.0,-999.00,9999\n999,5,999\n"), NULL);
+    assert_int_equal(conus_pose_list_count(list), 2);
+    assert_row_at(pose_row_of(list, 1, "2"), 999, 5, 999);
+    conus_pose_list_destroy(list);
+    /* what stands for a missing value beside one that is missing is no coordinate in micrometres */
+    list = pose_text_parse(text_from("x,y,z\n-40,-20,50\n9999,-20,n/a\n"), &(conus_pose_options){.longest = 180});
+    assert_int_equal(conus_pose_list_count(list), 2);
+    assert_row_at(pose_row_of(list, 0, "1"), -40, -20, 50);
+    assert_row_fails(list, 1, "2", "column z: \"n/a\"");
+    conus_pose_list_destroy(list);
     conus_pose_stream *stream = NULL;
     uint64_t count = 0;
     assert_ok(pose_stream_parse(&stream, text_from(text), NULL));
