@@ -143,8 +143,9 @@ static void choose_threshold(struct job *job, conus_volume_info *info, const str
     struct value_spread spread = {0};
     value_spread_add(&spread, map, info);
     struct value_scale scale = value_scale_of(&spread, info);
-    if (info->maximum < scale.value / 4 && value_map_is_mask(map)) {
-        scale = (struct value_scale){info->maximum, false, "0 and one other value, taken as a mask"};
+    if ((info->maximum < scale.value / 4 || scale.is_probability) && value_map_is_mask(map)) {
+        scale = (struct value_scale){info->maximum < scale.value / 4 ? info->maximum : scale.value, false,
+                                     "0 and one other value, taken as a mask"};
     }
     info->threshold = scale.value / 4;
     const char *threshold = NUMBER_TEXT(info->threshold);
@@ -281,10 +282,10 @@ static void p_values_add(struct p_values *p, float value, double threshold)
  * values are from 0 to 1 and no mask's. Either they end at a level at which p is cut, with many just below it, unlike a
  * field's or a diffusivity's few largest ones, and begin again above 1 minus it at most; or the threshold takes most.
  * One at which p is seldom cut might be of a map of probabilities; p is even where there is no effect, so each tenth
- * above the first has some. At others no inner tenth has few: of 38 simulated maps of p the least has 0.61 of their mean
- * or more, of 17 published maps of probabilities and intensities 0.23 at most. Of pathways, which are probabilities, the upper tenths are also alike, as in each of 48
- * simulated smooth fields of a two-sided p, but in none of 68 published maps; of one side with effects of the other
- * sign they are not. */
+ * above the first has some. At others no inner tenth has few: of 38 simulated maps of p the least has 0.61 of their
+ * mean or more, of 17 published maps of probabilities and intensities 0.23 at most. Of pathways, which are
+ * probabilities, the upper tenths are also alike, as in each of 48 simulated smooth fields of a two-sided p, but in
+ * none of 68 published maps; of one side with effects of the other sign they are not. */
 static void warn_of_p_values(struct job *job, const conus_volume_info *info, const struct p_values *p, bool is_pathway)
 {
     static const double CUT = 0.1;   /* p is seldom cut above */
@@ -308,8 +309,8 @@ static void warn_of_p_values(struct job *job, const conus_volume_info *info, con
         most = i > 3 ? fmax(most, count) : most;
     }
     const double all = (double)(p->some - p->tenths[0] - p->tenths[9]);
-    bool is_likely = is_pathway ? is_even && most < ALIKE * least
-                                : is_even || (info->threshold <= CUT && 8 * inner > FULL * all);
+    bool is_likely =
+        is_pathway ? is_even && most < ALIKE * least : is_even || (info->threshold <= CUT && 8 * inner > FULL * all);
     if (p->low > 0 && p->low < p->high && p->high <= 1 && (is_cut || (is_likely && 2 * p->taken > p->some))) {
         job_warn(job,
                  "%s: the %s is %.3g %% of the voxels that are not 0, and all values are from 0 to 1: of a map of p "
@@ -424,7 +425,8 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
     }
     warn_of_p_values(job, &file->info, &p, false);
     if (p.opposite) {
-        job_note(job, "%zu voxels have values of -%s and less, and are not in the region: a threshold of -%s takes them",
+        job_note(job,
+                 "%zu voxels have values of -%s and less, and are not in the region: a threshold of -%s takes them",
                  p.opposite, NUMBER_TEXT(threshold), NUMBER_TEXT(threshold));
     }
     if (!JOB_CALL(job, roi_create(out, &file->info, values))) {

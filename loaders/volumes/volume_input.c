@@ -134,10 +134,11 @@ void volume_choose(struct job *job, struct volume_input *v, bool is_series, bool
     const uint64_t held = is_held ? header->volume_size : 0; /* else labels count what they take */
     const size_t place = job_in(job, v->keys.path, JOB_ALONE);
     if (!is_series && count > 1 && !is_chosen) {
-        job_fail(job, CONUS_ERROR_ARGUMENT,
-                 "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu; with a table that names "
-                 "each (--labels) all are an atlas of probabilities",
-                 count, count - 1);
+        job_fail(
+            job, CONUS_ERROR_ARGUMENT,
+            "volume: the file has %zu, choose one by adding \",volume=K\", K from 0 to %zu; with a table that names "
+            "each (--labels) all are an atlas of probabilities",
+            count, count - 1);
     } else if (!is_series) {
         volume_number_check(job, v);
     }
