@@ -143,8 +143,9 @@ static void choose_threshold(struct job *job, conus_volume_info *info, const str
     struct value_spread spread = {0};
     value_spread_add(&spread, map, info);
     struct value_scale scale = value_scale_of(&spread, info);
-    if (info->maximum < scale.value / 4 && value_map_is_mask(map)) {
-        scale = (struct value_scale){info->maximum, false, "0 and one other value, taken as a mask"};
+    if ((info->maximum < scale.value / 4 || scale.is_probability) && value_map_is_mask(map)) {
+        scale = (struct value_scale){info->maximum < scale.value / 4 ? info->maximum : scale.value, false,
+                                     "0 and one other value, taken as a mask"};
     }
     info->threshold = scale.value / 4;
     const char *threshold = NUMBER_TEXT(info->threshold);

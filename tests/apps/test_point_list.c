@@ -242,8 +242,8 @@ static void a_needle_of_a_list_ends(void **state)
 }
 
 /* A list that is loaded again, as after a file was added, keeps the row where the tool is, with the depths that the
- * list has now: 36 mm from x = -50 are 2 mm behind where the middle ball begins. A row that has turned, or another one
- * in its place, is not what was asked, and leaves the mouse without its depths. */
+ * list has now: 36 mm from x = -50 are 2 mm behind where the middle ball begins. A row that has turned, is wider, or is
+ * another one in its place, is not what was asked, and leaves the mouse without its depths. */
 static void a_row_stays_where_the_list_still_has_it(void **state)
 {
     static const char kept[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,30\nN2,-50,0,9,1,0,0,36\n";
@@ -256,6 +256,7 @@ static void a_row_stays_where_the_list_still_has_it(void **state)
                   {"name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,36\n", 1, 36, 2},
                   {"name,x,y,z,dx,dy,dz\nN1,-50,0,0,1,0,0\n", 1, 0, 3},
                   {"name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,0,1,0,30\n", 0, 0, 3},
+                  {"name,x,y,z,dx,dy,dz,far,angle\nN1,-50,0,0,1,0,0,30,9\n", 0, 0, 3},
                   {"name,x,y,z,dx,dy,dz,far\nN0,-50,0,9,1,0,0,36\nN1,-50,0,0,1,0,0,30\n", 0, 0, 3},
                   {"name,x,y,z\nN1,-50,0,0\n", 0, 0, 3}};
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {

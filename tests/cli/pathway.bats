@@ -18,7 +18,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
 @test "a pathway's default threshold is said in a note" {
     scene
     run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --pathway sphere.nii.gz
-    check_message 'note: pathway sphere: values up to 1, taken as probabilities; threshold 0.25'
+    check_message 'note: pathway sphere: 0 and one other value, taken as a mask; threshold 0.25'
     answers query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --pathway sphere.nii.gz,threshold=0.5
 }
 
@@ -58,7 +58,7 @@ END
     cp sphere.nii.gz two.nii.gz
     scaled '\000\000\110\103' a.nii # 200
     scaled '\000\000\310\103' b.nii # 400
-    local aim='--origin 0,0,100 --toward 0,0,0' share='values up to 1, taken as probabilities; threshold 0.25'
+    local aim='--origin 0,0,100 --toward 0,0,0' share='0 and one other value, taken as a mask; threshold 0.25'
     # shellcheck disable=SC2086 # words
     run -0 --separate-stderr "$CONUS" query slabs.nii.gz $aim --pathway a.nii --pathway sphere.nii.gz --pathway b.nii \
         --pathway two.nii.gz

@@ -97,7 +97,8 @@ void points_use(struct viewer *viewer, struct point_list *list)
     *list = (struct point_list){0};
     points_check(viewer);
     const conus_pose_row *is = chosen_row(viewer);
-    if (is && strcmp(was->id, is->id) == 0) {
+    if (is && strcmp(was->id, is->id) == 0 && is->angle == was->angle &&
+        (is->radius == was->radius || (isnan(is->radius) && isnan(was->radius)))) {
         (void)use_depths(viewer, is);
     } else if (was) {
         viewer->tools[FIRST_TOOL].pointer = POINT_BY_MOUSE;
