@@ -450,8 +450,8 @@ static void find_faults(bool *has_word, bool *has_glyph, double *farthest, const
         bool is_glyph = cell.size && (unsigned char)cell.data[0] >= 0x80 && !text_minus(cell);
         size_t length = is_glyph ? text_character(cell) : 0;
         *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
-        *has_glyph |= is_word && is_coordinate && length && length < cell.size &&
-                      isdigit((unsigned char)cell.data[length]);
+        *has_glyph |=
+            is_word && is_coordinate && length && length < cell.size && isdigit((unsigned char)cell.data[length]);
     }
     *farthest = is_whole ? fmax(*farthest, largest) : *farthest;
 }

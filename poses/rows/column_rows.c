@@ -455,9 +455,9 @@ static bool is_without_position(const struct columns *columns, const struct tabl
         double value = NAN; /* of SPSS, 999 or 9999 is nothing */
         bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
         bool is_number = is_coordinate && table_number(&value, &columns->table, line->cells[i]) && !isnan(value);
-        is_there = is_coordinate && !columns_is_absent(line->cells[i]) &&
-                   !(is_number ? fabs(value) == 999 || fabs(value) == 9999
-                               : text_equal_ignoring_case(line->cells[i], "nan"));
+        is_there =
+            is_coordinate && !columns_is_absent(line->cells[i]) &&
+            !(is_number ? fabs(value) == 999 || fabs(value) == 9999 : text_equal_ignoring_case(line->cells[i], "nan"));
         absent += is_coordinate;
     }
     return !is_there && absent == 3;
