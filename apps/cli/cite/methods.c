@@ -91,8 +91,7 @@ static const struct sentence of_rows[] = {
      "needles had to be farther apart than {Plan.between.shafts_mm} mm{Plan.between.parts_mm?, their parts than @ mm}"
      "{Plan.entry_distance_mm?, and their positions @ mm or more}. The leeway of a combination is a distance for which "
      "it is proven that nothing breaks while no point of any needle is off by more; sought was the largest one, and "
-     "with "
-     "that the largest sum of the needles' own ones (Eq. 25 to 28 of conus's documentation)."},
+     "with that the largest sum of the needles' own ones (Eq. 25 to 28 of conus's documentation)."},
     {"Plan.arcs", " A rig was to carry them on arcs {Plan.arcs.spacing_deg} degrees or more apart"
                   "{Plan.arcs.most?, @ at most}, needles on one arc {Plan.arcs.slider_deg} degrees or more apart"
                   "{Plan.arcs.each?, @ at most}."},
@@ -104,8 +103,7 @@ static const struct sentence of_rows[] = {
      " It was proven that none is better{Plan.diverse?, for each one that is listed}."},
     {"Plan !Plan.needles",
      "A needle{Settings.radius_mm? with a radius of @ mm|, taken as its axis,} was tried at {Plan.candidates} "
-     "candidate "
-     "poses " CONUS
+     "candidate poses " CONUS
      " The constraints were: {Plan.constraints}. Of these poses {Plan.funnel.last} held all of them (Eq. "
      "21 and 22 of conus's documentation). Their order is by {Question.options.rank?the keys @ (--rank of conus plan)|"
      "leeway, the largest first, then by depth, the smallest first}. The leeway of a pose is a distance for which it "
