@@ -322,7 +322,7 @@ static void warn_of_p_values(struct job *job, const conus_volume_info *info, con
 /* Warns of a threshold that may be meant of fractions, where the values may be per cent. */
 static void warn_of_percent(struct job *job, const conus_volume_info *info, double threshold)
 {
-    if (threshold > 0 && threshold <= 1 && info->minimum >= 0 && info->maximum >= 10 && info->maximum <= 100) {
+    if (threshold > 0 && threshold < 1 && info->minimum >= 0 && info->maximum >= 10 && info->maximum <= 100) {
         job_warn(job, "%s: values from %s to %s, and a threshold of %s: if the values are per cent, that is %s %%",
                  info->path, NUMBER_TEXT(info->minimum), NUMBER_TEXT(info->maximum), NUMBER_TEXT(threshold),
                  NUMBER_TEXT(threshold));

@@ -941,7 +941,7 @@ static void choose_families(struct head *head)
              "are RAS, take the column t out");
     FAULT_IF(out->has[ROLE_ANGLE], head,
              "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz; of "
-             "points, and with --inward, whose opening is --angle, take it out",
+             "points, and of those asked inward, whose opening is --angle, take it out",
              out->shown[ROLE_ANGLE]);
     if (out->has[ROLE_DEPTH] && named) {
         drop_role(head, ROLE_DEPTH);

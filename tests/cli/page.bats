@@ -45,7 +45,7 @@ inside() {
     sed -n 's|^<script type="application/json" id="question">\(.*\)</script>$|\1|p' page.html >question
     jq -j .rows question | cmp - rows
     grep -q '"posterior":[01]' rows
-    [ "$(jq -r .fragment question)" = "v=1&origin=3,4,40&toward=3,4,0&angle=16&layers=visible&resolution=64&weight=gauss=2" ]
+    [ "$(jq -r .fragment question)" = "v=1&origin=3,4,40&toward=3,4,0&angle=16&layers=visible&weight=gauss=2&resolution=64" ]
     local weight
     for weight in hard coil=20:18 gauss=1,bias=1:1 gauss=30 gauss=; do
         run -2 page --origin 3,4,40 --toward 3,4,0 --weight $weight --force
