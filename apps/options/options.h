@@ -344,6 +344,9 @@ size_t terminal_width(int descriptor);
 /** Whether @p descriptor is a terminal that shows bold and colours: neither $NO_COLOR nor TERM=dumb forbids them. */
 bool terminal_has_colour(int descriptor);
 
+/** conus_selector_options: numbers of the question, a web page's, too. */
+extern const struct option ray_options[];
+
 /* Angles from LOW to HIGH in steps, as --angles has them; in whatever unit. */
 
 enum { ANGLE_LIMIT = 1000 };

@@ -3,8 +3,8 @@
 #include "conus/own.h"
 #include "conus/selection.h"
 #include "options/messages.h"
+#include "options/options.h"
 #include "pages/pages.h"
-#include "settings/settings.h"
 
 #include <string.h>
 

@@ -219,13 +219,6 @@ const struct option angle_options[] = {
     {0},
 };
 
-const struct option ray_options[] = {
-    {OPTION_VALUED("resolution", conus_selector_options, resolution, "N"),
-     .help = "trace N x N rays, one per pixel, N from 1 to 1024", .standard = OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT),
-     OPTION_FROM_TO(1, 1024), .words = "rays", .flags = OPTION_OF_RAYS},
-    {0},
-};
-
 const struct option pixel_options[] = {
     {OPTION_VALUED("aperture", struct engine_settings, aperture, "SHAPE"),
      .help = "pixels that count: those in the circle, or all:", .choices = apertures, .flags = OPTION_OF_RAYS},

@@ -109,7 +109,6 @@ extern const struct option aim_options[];        /**< aim_settings: where from a
 extern const struct option beam_options[];       /**< aim_settings: --focus, --transducer */
 extern const struct option aperture_options[];   /**< aim_settings: --aperture-diameter, also of files */
 extern const struct option angle_options[];      /**< aim_settings: --angle */
-extern const struct option ray_options[];        /**< conus_selector_options: numbers, those of a web page, too */
 extern const struct option pixel_options[];      /**< engine_settings: --aperture */
 extern const struct option engine_options[];     /**< engine_settings, without --slices and those */
 extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */

@@ -30,7 +30,7 @@ APPS = {
     "apps/options": "",
     "apps/settings": "apps/link apps/options",
     "apps/figures": "apps/options",
-    "apps/pages": "apps/options apps/settings",
+    "apps/pages": "apps/options",
     "apps/cli/batch": "apps/options apps/settings apps/cli/answers",
     "apps/cli/answers": "apps/options apps/settings",
     "apps/cli/verify": "apps/options apps/cli/answers",
