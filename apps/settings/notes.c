@@ -250,7 +250,7 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
         }
         if (reading.object) {
             snprintf(words, sizeof words, "; %s%s it would hit %s first", reading.words,
-                     file && strncmp(reading.words, "looking", 7) == 0 ? " (--axis, or the signs of dx dy dz)" : "",
+                     file && reading.is_reversed ? " (--axis, or the signs of dx dy dz)" : "",
                      conus_atlas_object(aimed->atlas, reading.object)->name);
         }
         if (reading.of_tiny) {

@@ -401,6 +401,7 @@ typedef struct conus_pose_suggestion {
     uint32_t object; /**< The object hit first in that case, from outside of it; 0 = there is no such way. */
     bool of_tiny; /**< It is about conus_pose_findings.tiny, and the other findings about that pose mean nothing. Else
                      it is about conus_pose_findings.away. */
+    bool is_reversed;  /**< The device looks the other way; its place is as it was. */
     const char *words; /**< "with x and y negated (LPS for RAS)", text of the library; NULL if object is 0. */
     conus_pose pose;   /**< The pose, so read. */
 } conus_pose_suggestion;

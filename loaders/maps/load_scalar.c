@@ -290,7 +290,7 @@ static void warn_of_p_values(struct job *job, const conus_volume_info *info, con
 {
     static const double CUT = 0.1;   /* p is seldom cut above */
     static const double LEAST = 0.5; /* of what even values have */
-    static const double FULL = 0.4;  /* of the mean of inner tenths */
+    static const double FULL = 0.25; /* of the mean of inner tenths: p of z by N(1, 1) has 0.29 */
     static const double ALIKE = 1.6; /* most, of least */
     bool is_cut = false;
     for (size_t i = 0; i < LEVELS; i++) {

@@ -73,6 +73,7 @@ static conus_status find_way(conus_pose_suggestion *out, const conus_pose_findin
     conus_status status = CONUS_OK;
     for (int i = 0; finding->count && i < WAYS && !status && !found.object; i++) {
         if (is_likely(&finding->pose, ways[i].scale, tiny)) {
+            found.is_reversed = ways[i].reversed;
             found.words = ways[i].words;
             found.pose = read_as(&finding->pose, &ways[i]);
             status = first_hit(&found.object, selector, &found.pose, finding->angle);

@@ -36,6 +36,15 @@ poses() {
     has 'no area, pathway or bundle is that near'
 }
 
+@test "a list of axes without an end has a note, and one that states it has none" {
+    u_shape
+    printf 'x\ty\tz\tdx\tdy\tdz\n8\t-20\t5\t0\t1\t0\n' >endless.tsv
+    run conus query u-shape.nii.gz --pose endless.tsv --radius 1 --clearance rows.tsv -o answer.tsv
+    has 'axes without an end go on behind their targets: --range 0,target ends them there'
+    run conus query u-shape.nii.gz --pose endless.tsv --radius 1 --clearance rows.tsv -o answer.tsv --range 0,40
+    [[ "$output" != *'axes without an end'* ]]
+}
+
 @test "people read what touches and what is pierced, other formats have the numbers" {
     u_shape
     conus phantom sphere -o . # of 20 mm around 0, which begins at depth 3

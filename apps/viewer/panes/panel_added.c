@@ -77,9 +77,9 @@ static void draw_fields(struct added_form *form)
         memcpy(is, was, sizeof is);
         bool changed = hint ? ui_type(fields[i].label, is, sizeof is, hint, fields[i].tip)
                             : ui_check(fields[i].label, &is_on, fields[i].tip);
-        if (changed || strcmp(was, is) != 0) {
+        if ((changed || strcmp(was, is) != 0) && !strchr(is, ',')) { /* a comma begins the next key */
             addition_put_key(form->text, sizeof form->text, fields[i].kind, fields[i].key,
-                             *is || (!hint && is_on) ? is : NULL);
+                             (hint ? *is : is_on) ? is : NULL);
             form->is_set = true;
         }
     }

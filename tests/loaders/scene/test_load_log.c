@@ -213,8 +213,8 @@ static void an_fsl_atlas(void **state)
     struct heard heard = {0};
     const struct wanted wanted[] = {
         {CONUS_SEVERITY_WARNING, "f.nii", "neither sform nor qform is set"},
-        {CONUS_SEVERITY_NOTE, "f.nii", "pathway One: values up to 1"},
-        {CONUS_SEVERITY_NOTE, "f.nii", "pathway Two: values up to 1"},
+        {CONUS_SEVERITY_NOTE, "f.nii", "pathway One: 0 and one other value, taken as a mask"},
+        {CONUS_SEVERITY_NOTE, "f.nii", "pathway Two: 0 and one other value, taken as a mask"},
         {CONUS_SEVERITY_NOTE, "f.nii", "pathways of f.xml: 2, from f.nii"},
     };
     struct nifti_builder builder;
