@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** @file
- * conus-mesh: the one program that links VTK. It reads a request (loaders/child/mesh_protocol.h), and what it makes
- * goes to stdout as a stream of meshes. */
+ * conus-mesh: the one program that links VTK. It reads a request (loaders/extraction/mesh_protocol.h), and what it
+ * makes goes to stdout as a stream of meshes. */
 #ifndef CONUS_MESH_CONUS_MESH_HPP
 #define CONUS_MESH_CONUS_MESH_HPP
 

@@ -67,7 +67,7 @@ MappedFile::~MappedFile()
 }
 
 static const char help[] =
-    "usage: conus-mesh REQUEST\n\nMakes meshes with VTK for conus; see loaders/child/mesh_protocol.h for the file "
+    "usage: conus-mesh REQUEST\n\nMakes meshes with VTK for conus; see loaders/extraction/mesh_protocol.h for the file "
     "REQUEST.\nThe command for people is conus mesh.\n";
 
 // Answers --version and --help; false where the word is neither.

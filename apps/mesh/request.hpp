@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/** @file A request (loaders/child/mesh_protocol.h): bytes in, checked numbers out. Without VTK. */
+/** @file A request (loaders/extraction/mesh_protocol.h): bytes in, checked numbers out. Without VTK. */
 #ifndef CONUS_MESH_REQUEST_HPP
 #define CONUS_MESH_REQUEST_HPP
 
-#include "loaders/child/mesh_protocol.h"
+#include "loaders/extraction/mesh_protocol.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
 #include "conus/own.h"
-#include "render/id/shapes.h"
+#include "render/passes/shapes.h"
 
 #include <stdio.h>
 

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/own.h"
-#include "loaders/child/mesh_extract.h"
+#include "loaders/extraction/mesh_extract.h"
 #include "loaders/surfaces/surfaces.h"
 
 #include <string.h>

@@ -8,7 +8,7 @@
 #include "atlas/volume.h"
 #include "conus/picture.h"
 #include "render/gl/camera.h"
-#include "render/id/shapes.h"
+#include "render/passes/shapes.h"
 
 #include <math.h>
 #include <pthread.h>

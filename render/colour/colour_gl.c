@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "render/colour/colour.h"
 #include "render/gl/gl.h"
-#include "render/id/id_pass.h"
+#include "render/passes/id_pass.h"
 
 #include <string.h>
 

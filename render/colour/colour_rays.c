@@ -10,8 +10,8 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "render/colour/colour.h"
-#include "render/id/shapes.h"
 #include "render/image/image.h"
+#include "render/passes/shapes.h"
 
 #include <math.h>
 #include <stdatomic.h>

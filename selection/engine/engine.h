@@ -4,7 +4,7 @@
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_H
 #define CONUS_SELECTION_ENGINE_ENGINE_H
 
-#include "render/id/shapes.h" /* SLICES_FRACTION */
+#include "render/passes/shapes.h" /* SLICES_FRACTION */
 #include "selection/cone/cone.h"
 #include "selection/evidence/evidence.h"
 

@@ -6,7 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/gl.h"
-#include "render/id/id_pass.h"
+#include "render/passes/id_pass.h"
 #include "selection/engine/triangles/mesh_rays.h"
 #include "selection/engine/voxels/traverse.h"
 

@@ -5,7 +5,7 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/id/shapes.h"
+#include "render/passes/shapes.h"
 #include "selection/cone/cone.h"
 #include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/triangles/mesh_rays.h"

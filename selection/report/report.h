@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/own.h"
-#include "selection/ends/ends.h"
+#include "selection/connectivity/connectivity.h"
 #include "selection/selection.h"
 #include "selection/study/study.h"
 #include "selection/table/table.h"

@@ -38,7 +38,7 @@ APPS = {
     "apps/cli/mcp": "apps/options apps/pages apps/cli/answers",
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/cli/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite apps/cli/mcp",
-    "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
+    "apps/mesh": "loaders/extraction",  # mesh_protocol.h: the messages between conus and conus-mesh
     "apps/web": "atlas/nets apps/options apps/pages",  # surfaces for a headset, which no other program asks for
     "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
@@ -94,10 +94,10 @@ LIBRARY = {
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels"
     " sources",
     "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels sources",
-    "loaders/child": "base base/child base/job base/system atlas/surface atlas",
+    "loaders/extraction": "base base/child base/job base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/geometry base/formats base/job atlas/labels atlas/surface loaders sources",
     "loaders/surfaces": "base base/job base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
-    " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign sources loaders/volumes",
+    " loaders/labels loaders/cifti loaders/extraction loaders/surfaces/foreign sources loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels sources",
     "loaders/transform": "base base/job base/files base/geometry base/child atlas/deformation atlas loaders loaders/volumes sources",
@@ -109,17 +109,17 @@ LIBRARY = {
     "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels sources",
     "loaders/arrays": "base atlas atlas/areas loaders/labels loaders/maps loaders/volumes loaders/scene loaders/tracts",
     "render/gl": "base base/geometry base/system",
-    "render/id": "base base/geometry atlas/surface atlas render/gl",
+    "render/passes": "base base/geometry atlas/surface atlas render/gl",
     "render/draw": "base base/formats",
     "render/image": "base base/files render/draw",
-    "render/colour": "base base/files base/geometry base/system atlas render/gl render/id render/image",
+    "render/colour": "base base/files base/geometry base/system atlas render/gl render/passes render/image",
     "render/flat": "base base/geometry atlas render/draw render/colour",
     "selection/cone": "base base/geometry poses/rows",
     "selection/evidence": "base atlas selection/cone",
     "selection/engine/voxels": "base base/simd base/geometry atlas selection/evidence",
     "selection/engine/triangles": "base base/geometry atlas/surface selection/evidence",
     "selection/engine/tracts": "base base/simd base/geometry atlas/tracts selection/evidence",
-    "selection/engine": "base base/geometry atlas render/gl render/id selection/cone selection/evidence selection/engine/voxels"
+    "selection/engine": "base base/geometry atlas render/gl render/passes selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/tracts selection/engine/triangles",
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
     "selection/weight": "base base/geometry poses/rows sources selection/cone",
@@ -133,10 +133,10 @@ LIBRARY = {
     "selection/plan/together": "base base/geometry poses/rows selection/table",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
     " selection/measure selection selection/study selection/report selection/batch selection/table selection/plan/together",
-    "selection/ends": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
+    "selection/connectivity": "base base/geometry atlas/surface atlas selection/measure selection/engine/voxels selection/table selection",
     "selection/picture": "base base/geometry render/draw render/image render/colour render/flat selection/measure selection"
     " selection/study",
-    "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/plan/together selection/study selection/table"
+    "selection/report": "base base/geometry atlas poses/programs selection selection/connectivity selection/plan/together selection/study selection/table"
     " selection/weight",
     "pack": "base base/files base/geometry base/system atlas atlas/tracts loaders/maps loaders/scene selection/engine/voxels sources",
     "selection/batch": "base base/geometry base/system poses poses/rows selection selection/study selection/report",
@@ -164,11 +164,11 @@ APART = {
                    " programs have, too (SHARED)"),
     "base/formats": ("encoding json_text matlab table xml", "are as many formats, some with libraries"),
     "base/simd": ("lanes", "is the vocabulary of kernels, which define LANES first"),
-    "loaders/child": ("mesh_protocol", "is C++, too, in conus-mesh"),
+    "loaders/extraction": ("mesh_protocol", "is C++, too, in conus-mesh"),
     "loaders/labels": ("label_format", "is for readers of other files that have entries of such tables"),
     "poses/rows": ("columns", "tables whose columns are guessed; most know rows only"),
     "render/gl": ("camera", "needs no OpenGL"),
-    "render/id": ("shapes", "needs no OpenGL"),
+    "render/passes": ("shapes", "needs no OpenGL"),
     "selection/engine/triangles": ("embree", "includes Embree"),
     "selection/engine/voxels": ("distance_map traverse_lanes", "maps are packed with an atlas; a kernel's body"),
     "selection/measure": ("score", "knows results only, and not how they are measured"),

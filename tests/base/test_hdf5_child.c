@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The process of conus-hdf5, played by shell scripts: its request, and the handling of its answer.
- * tests/loaders/child/test_mesh_child.c has what all children have in common. */
+ * tests/loaders/extraction/test_mesh_child.c has what all children have in common. */
 #include "base/child/hdf5.h"
 #include "builders/hdf5_builder.h"
 #include "test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What base/child/child.h promises, asked on Windows by a program that starts itself. tests/cli/windows.bats builds
- * it and runs it in wine, which knows no limits of memory and time. What is wanted is what tests/loaders/child and
+ * it and runs it in wine, which knows no limits of memory and time. What is wanted is what tests/loaders/extraction and
  * tests/base/test_hdf5_child.c want on Linux. */
 #include "base/child/child.h"
 #include "base/system/system.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Arbitrary bytes in the place of conus-mesh's stream. */
-#include "loaders/child/parts.h"
+#include "loaders/extraction/parts.h"
 
 #include <stdlib.h>
 

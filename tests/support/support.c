@@ -5,7 +5,7 @@
 #include "base/job/job.h"
 #include "base/memory.h"
 #include "conus/own.h"
-#include "loaders/child/parts.h"
+#include "loaders/extraction/parts.h"
 
 #include <errno.h>
 #include <ftw.h>

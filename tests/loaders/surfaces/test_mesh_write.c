@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "builders/mesh_builder.h"
 #include "conus/own.h"
-#include "loaders/child/parts.h"
+#include "loaders/extraction/parts.h"
 #include "loaders/surfaces/surfaces.h"
 #include "made_atlas.h"
 #include "test.h"

@@ -6,7 +6,7 @@
 #include "conus/selection.h"
 #include "gl_edge.h"
 #include "gl_pair.h"
-#include "loaders/child/parts.h"
+#include "loaders/extraction/parts.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"

@@ -4,7 +4,7 @@
 #define CONUS_TESTS_SUPPORT_BUILDERS_MESH_BUILDER_H
 
 #include "base/memory.h"
-#include "loaders/child/mesh_protocol.h"
+#include "loaders/extraction/mesh_protocol.h"
 
 #include <stdint.h>
 
