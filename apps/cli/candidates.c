@@ -355,6 +355,9 @@ static int load_targets(struct place *place, const struct request *request, cons
     while (kind < 3 && strcmp(kinds[kind], place->path) != 0) {
         kind++;
     }
+    if (kind == 3 && strspn(place->path, "+-.,0123456789 ") == strlen(place->path) && strchr(place->path, ',')) {
+        return print_usage_error("--toward: \"%s\": points are rows of a file, behind a first line x,y,z", place->path);
+    }
     if (kind == 3 && !conus_atlas_is_path(place->path) && strcmp(place->path, "-") != 0) {
         return print_usage_error(
             "--toward: \"%s\" is neither centroid, deepest, voxels nor normal, and there is no such file; "

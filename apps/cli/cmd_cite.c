@@ -186,6 +186,8 @@ static int put_citation(FILE *out, struct citing *citing)
     if (sidecar && (named || is_sidecar(sidecar))) {
         code = record_read(&citing->record, sidecar);
         code = code ? code : cite_result(citing, sidecar);
+    } else if (!sidecar && path_ending_length(citing->given, ".tsv/.csv/.txt/.ndjson")) { /* rows, and no atlas */
+        code = print_data_error("%s: no .json of conus is beside it, which says how it was made", citing->given);
     } else {
         code = cite_atlas(citing);
     }

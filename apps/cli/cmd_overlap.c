@@ -21,7 +21,7 @@ static const struct option region_options[] = {
      .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
              "values of at most T",
      .hint = "; for a one-sided p of 0.05, 0.01 or 0.001 type 1.64, 2.33 or 3.09 if it is a map of z; of t the value "
-             "depends on the degrees of freedom",
+             "depends on the degrees of freedom; of a map of per cent 50 is 50 %",
      .otherwise = "of masks only, all that are not 0", .words = "binarise, cut-off", .common = true},
     {OPTION_NAMED("any-space", struct overlap_settings, any_space),
      .help = "take regions as lying in the atlas's space, whatever brain their headers name"},

@@ -259,6 +259,7 @@ struct p_values {
     size_t some, taken, tenths[10]; /* taken: by the threshold */
     size_t opposite;                /* by the threshold with a minus */
     size_t below[LEVELS];           /* By a tenth of the level at most. */
+    size_t whole;                   /* of labels or counts */
     float low, high, small;         /* small: the largest below a half */
 };
 
@@ -271,6 +272,7 @@ static void p_values_add(struct p_values *p, float value, double threshold)
         p->some++;
         p->taken += value >= tolerance_least(threshold);
         p->opposite += value <= -tolerance_least(threshold);
+        p->whole += value == floorf(value);
         p->tenths[value > 0 && value < 1 ? (size_t)(10 * value) : 9]++;
         for (size_t i = 0; i < LEVELS; i++) {
             p->below[i] += value > 0.9 * levels[i] && value < 1.001 * levels[i];
@@ -444,6 +446,12 @@ void roi_of_volume(struct job *job, conus_roi **out, struct volume_file *file, d
     if (part > 0.75 && count > 100000) { /* of an image of a brain a third is brain; a cut-out is small */
         job_warn(job, "%s: the region is %.3g %% of the whole grid: is a mask inverted, or a map of p values meant?",
                  file->info.path, 100 * part);
+    }
+    if (p.whole && p.whole == p.some && p.low > 0 && threshold < p.high && p.low < p.high && p.high <= 1000) {
+        job_note(job,
+                 "all values are whole numbers, %s to %s, and those of %s and more are one region: of labels a mask "
+                 "of the one that is meant is asked",
+                 NUMBER_TEXT(p.low), NUMBER_TEXT(p.high), NUMBER_TEXT(threshold));
     }
     if (p.opposite) {
         job_note(job,

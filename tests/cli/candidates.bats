@@ -221,6 +221,7 @@ cells() {
     fails 2 'tilt: up to 5 degrees in steps of 6' $P --depth 9 --tilt 5,6
     fails 2 'no far end: --depth target, or target+MM, MM, or --range NEAR,FAR' $P
     fails 2 '"voxel" is neither centroid, deepest, voxels nor normal' $U --from entries.txt --toward voxel --depth 9
+    fails 2 '"1,-2,3": points are rows of a file, behind a first line x,y,z' $U --from entries.txt --toward 1,-2,3 --depth 9
     fails 2 'deepest,of=Ball is in the structure of that name' $U --from entries.txt --toward Ball --depth 9
     fails 2 '--from takes a mask, which has one value beside 0' $U --from u-shape.nii.gz --toward targets.txt --depth 9
     fails 2 '--from takes a mask' $U --from entries.txt,within=u-shape.nii.gz --toward targets.txt --depth 9

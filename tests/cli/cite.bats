@@ -237,6 +237,8 @@ END
 }
 
 @test "results that cannot be cited are refused" {
+    printf 'x\ty\tz\n1\t2\t3\n' >mine.tsv
+    fails 3 'mine.tsv: no .json of conus is beside it, which says how it was made' cite mine.tsv
     scene
     sealed() { # sealed FILTER: b.json is a.json through jq, with a checksum that fits
         jq "$1" a.json >b.json

@@ -180,6 +180,25 @@ the large ones; such a map is asked as 1 - p, or as its z values"* ]]
     fails 2 'and is no mask, or was resampled (then take 0.5): a threshold is needed' overlap nested.nii.gz mask.nrrd
 }
 
+@test "labels that a threshold makes one region are noted" {
+    conus phantom nested -o .
+    map() { # VALUES OF SIX VOXELS, which are 0 elsewhere
+        printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 6 1 1' 'space: RAS' 'encoding: text' \
+            'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (0,0,0)' '' "$1" >labels.nrrd
+    }
+    map '1 1 2 2 0 0'
+    run -0 "$CONUS" overlap nested.nii.gz labels.nrrd --threshold 1
+    has 'note: all values are whole numbers, 1 to 2, and those of 1 and more are one region'
+    for values in '1 1 1 1 0 0' '1 1.5 2 2 0 0' '1 1 2 2 -1 0'; do # a mask, a field, and what has a sign
+        map "$values"
+        run -0 "$CONUS" overlap nested.nii.gz labels.nrrd --threshold 0.5
+        [[ "$output" != *'whole numbers'* ]]
+    done
+    map '1 1 2 2 0 0'
+    run -0 "$CONUS" overlap nested.nii.gz labels.nrrd --threshold 2 # one label
+    [[ "$output" != *'whole numbers'* ]]
+}
+
 # 64,000 of 125,000 voxels are half of the grid, all of them are no mask of a lesion's.
 @test "a region of nearly the whole grid, and a fraction of per cents, are warned of" {
     conus phantom nested -o .
