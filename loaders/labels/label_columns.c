@@ -264,7 +264,7 @@ static void fill_row(struct job *job, struct label_row *row, const struct header
     } else if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
         label_colour(job, label, &cells[RED], header->part);
     }
-    label->hemisphere = label_hemisphere_of(hemisphere);
+    label->hemisphere = hemisphere.size ? label_hemisphere_of(hemisphere) : 0;
     if (hemisphere.size && !label->hemisphere && !text_equal(hemisphere, "NA")) {
         job_note(job, "label table, line %zu: hemisphere \"%.*s\" is none of L, R, B: taken as not given", line,
                  TEXT_SHOW(hemisphere, 40));
@@ -478,9 +478,15 @@ static struct text try_index(struct job *job, struct label_table *out, void *use
 static void choose_index(struct job *job, struct header *header, struct rows below, const struct label_voxels *voxels)
 {
     const struct candidate *indices = header->indices;
-    size_t usual = 0;
-    while (usual < SYNONYM_COUNT && (!indices[usual].name.size || indices[usual].at != header->at[INDEX])) {
-        usual++;
+    size_t usual = SYNONYM_COUNT;
+    bool is_only = true;
+    for (size_t i = SYNONYM_COUNT + 1; i-- > 0;) {
+        const bool is_usual = indices[i].name.size && indices[i].at == header->at[INDEX];
+        usual = is_usual ? i : usual;
+        is_only = is_only && (is_usual || !indices[i].name.size || indices[i].at == header->at[NAME]);
+    }
+    if (is_only) {
+        return;
     }
     size_t best = label_choose(job, usual, try_index, &(struct trial){header, below}, SYNONYM_COUNT + 1, voxels);
     if (best != usual) {
