@@ -106,7 +106,7 @@ void points_use(struct viewer *viewer, struct point_list *list)
     *list = (struct point_list){0};
     points_check(viewer);
     const conus_pose_row *is = chosen_row(viewer);
-    if (is && strcmp(was->id, is->id) == 0 && is->angle == was->angle &&
+    if (was && is && strcmp(was->id, is->id) == 0 && is->angle == was->angle &&
         (is->radius == was->radius || (isnan(is->radius) && isnan(was->radius)))) {
         (void)(has_its && use_depths(viewer, is));
     } else if (was) {
