@@ -115,7 +115,10 @@ static bool steers_terminal(uint32_t code)
 void text_make_plain(char *text, const char *kept)
 {
     char *end = text;
-    struct text rest = {text, strlen(text)};
+    while (*end >= ' ' && *end <= '~') { /* all, mostly */
+        end++;
+    }
+    struct text rest = {end, strlen(end)};
     while (rest.size) {
         size_t length = text_character(rest);
         size_t used = length ? length : 1;

@@ -11,7 +11,11 @@ char *text_to_utf8(struct text text)
     size_t size = 0;
     while (out && text.size) {
         const unsigned char *at = (const unsigned char *)text.data;
-        size_t length = text_character(text);
+        size_t length = 0;
+        while (length < text.size && !(at[length] & 0x80)) {
+            length++;
+        }
+        length = length ? length : text_character(text);
         bool control = length == 2 && at[0] == 0xc2 && at[1] < 0xa0;
         if (length && !control) {
             memcpy(&out[size], text.data, length);

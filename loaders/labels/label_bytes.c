@@ -188,7 +188,7 @@ size_t label_lines_count(struct text text)
     bool lines = text.size && text_is_readable(text) && !strchr("<{[|", text.data[0]);
     size_t count = 0;
     for (struct text name; lines && next_name(&text, &name); count++) {
-        lines = !(name.data[0] >= '0' && name.data[0] <= '9');
+        lines = !(name.data[0] >= '0' && name.data[0] <= '9') && !text_has_only(name, "{}[]()<>,;:=+-*/#_. ");
     }
     return lines ? count : 0;
 }

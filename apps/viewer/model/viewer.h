@@ -40,7 +40,8 @@ int points_load(struct point_list *out, const char *path, const struct atlases *
                 double radius, const struct common_settings *common, uint64_t max_memory);
 void points_finish(struct point_list *list);
 /** Puts @p list, which it takes over, in the place of the viewer's. The chosen row stays where points_check() says so
- * and it has the angle and radius of before, with its depths now; else these go with it, and the mouse points again. */
+ * and it has the angle and radius of before, with its depths now; else these go with it, and the mouse points again.
+ * Depths that were set by hand stay. */
 void points_use(struct viewer *viewer, struct point_list *list);
 /** Chooses a row by its number from 1: the tool goes there, and the crosshair to what it hits, or there; 0 = none, and
  * the mouse points again. The status line says where a row has an error. */

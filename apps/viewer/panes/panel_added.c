@@ -68,8 +68,8 @@ static void draw_fields(struct added_form *form)
 {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         const char *hint = fields[i].hint;
-        char was[256];
-        char is[256];
+        char was[sizeof form->text];
+        char is[sizeof form->text];
         if (fields[i].kind != form->kind) {
             continue;
         }
