@@ -35,10 +35,10 @@ static void tell_line(struct notes *notes, size_t index)
 {
     const struct note_sink *sink = notes->sink;
     struct note_mark *mark = &notes->marks[index];
-    if (sink && sink->log && !mark->heard) {
+    if (sink && sink->log && !mark->is_passed) {
         sink->log(sink->user, &(const conus_note){mark->severity, sink->path, notes->lines[index]});
     }
-    mark->heard = mark->heard || sink;
+    mark->is_passed = mark->is_passed || sink;
 }
 
 void notes_tell(struct notes *notes)

@@ -38,7 +38,7 @@ struct note_sink {
 
 struct note_mark {
     conus_severity severity;
-    bool heard; /**< A sink has it. */
+    bool is_passed; /**< A sink has it. */
 };
 
 struct notes {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows of a list as points of a picture; contacts of electrodes are told by their names. */
+/* Rows of a list as points of a picture; contacts of electrodes are recognised by their names. */
 #include "figures/figure.h"
 
 #include "base/order.h"

@@ -152,37 +152,37 @@ static bool is_named(const struct igtl_pose *pose, const char *name)
            (strncmp(pose->name, name, length) == 0 && strncmp(pose->name + length, "To", 2) == 0);
 }
 
-static void hear(void *user, const struct igtl_poses *poses)
+static void take_poses(void *user, const struct igtl_poses *poses)
 {
     struct station *station = user;
     const struct station_options *options = &station->options;
     pthread_mutex_lock(&station->lock);
-    bool heard = false;
+    bool has_pose = false;
     for (size_t i = 0; i < poses->count; i++) {
         const struct igtl_pose *pose = &poses->tools[i];
         if (options->reference && is_named(pose, options->reference)) {
             station->reference = *pose;
-            heard = true;
+            has_pose = true;
         } else if (options->head && is_named(pose, options->head)) {
             station->head = *pose;
-            heard = true;
+            has_pose = true;
             station->head_arrived_ms = clock_ms();
         } else if (options->second && is_named(pose, options->second)) {
             station->second = *pose;
-            heard = true;
+            has_pose = true;
             station->second_arrived_ms = clock_ms();
             station->second_number++;
         } else if (options->tool ? is_named(pose, options->tool)
                                  : !station->tool.name[0] || strcmp(pose->name, station->tool.name) == 0) {
             station->tool = *pose;
-            heard = true;
+            has_pose = true;
             station->arrived_ms = clock_ms();
             station->time_s = poses->time_s;
             station->number++;
             system_wake(&station->wakes[WAITER]);
         }
     }
-    void (*call)(void) = heard ? station->on_pose : NULL;
+    void (*call)(void) = has_pose ? station->on_pose : NULL;
     pthread_mutex_unlock(&station->lock);
     if (call) {
         call();
@@ -229,7 +229,7 @@ static void receive(struct station *station, struct peer *peer)
     uint8_t bytes[CHUNK];
     ssize_t size = recv(peer->socket, bytes, sizeof bytes, MSG_DONTWAIT);
     if (size > 0) {
-        if (!igtl_read(&peer->reader, bytes, (size_t)size, hear, station)) {
+        if (!igtl_read(&peer->reader, bytes, (size_t)size, take_poses, station)) {
             drop_peer(station, peer, true);
         } else if (peer->reader.valid) {
             peer->heard_ms = clock_ms();

@@ -96,7 +96,7 @@ static void note_changes(struct window *window)
 {
     struct ui_mouse mouse = ui_mouse_now();
     bool widens =
-        window->inputs.devices.heard[FIRST_TOOL].widen > 0 || window->inputs.devices.heard[SECOND_TOOL].widen > 0;
+        window->inputs.devices.received[FIRST_TOOL].widen > 0 || window->inputs.devices.received[SECOND_TOOL].widen > 0;
     if (window->viewer && !widens && !mouse.down[0] && !mouse.down[1] && !mouse.down[2] && !ui_wants_keys()) {
         undo_note(window);
     }

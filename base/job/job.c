@@ -64,10 +64,10 @@ static void tell_sink(struct job *job)
 {
     for (size_t i = 0; job->sink && !job->attempts && i < job->notes.count; i++) {
         struct note_mark *mark = &job->notes.marks[i];
-        if (!mark->heard && job->sink->log) {
+        if (!mark->is_passed && job->sink->log) {
             job->sink->log(job->sink->user, &(const conus_note){mark->severity, job->sink->path, job->notes.lines[i]});
         }
-        mark->heard = true;
+        mark->is_passed = true;
     }
 }
 

@@ -44,7 +44,7 @@ static bool spawn_python(struct scene *scene, char *const arguments[])
 }
 
 /* Whether Python's next line is @p wanted. */
-static bool hears(struct scene *scene, const char *wanted)
+static bool answers_with(struct scene *scene, const char *wanted)
 {
     char line[64];
     return fgets(line, sizeof line, scene->from) && strncmp(line, wanted, strlen(wanted)) == 0;
@@ -62,7 +62,7 @@ static void ask(struct scene *scene, const char *question, const char *answer)
     }
     fprintf(scene->to, "%s\n", question);
     fflush(scene->to);
-    if (!hears(scene, answer)) {
+    if (!answers_with(scene, answer)) {
         keep_first_error(scene, fail(CONUS_ERROR_DATA, "select_many.py did not answer %s to %s", answer, question));
     }
 }
@@ -75,7 +75,7 @@ static conus_status start_python(struct scene *scene)
     setenv("PYTHONPATH", path, 0);
     char *arguments[] = {
         CONUS_PYTHON, CONUS_BENCH_WORKER, (char *)scene->atlas, scene->poses, scene->rows, scene->angle, NULL};
-    if (!spawn_python(scene, arguments) || !hears(scene, "ready")) {
+    if (!spawn_python(scene, arguments) || !answers_with(scene, "ready")) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%s cannot import conus and pandas", CONUS_PYTHON);
     }
     return CONUS_OK;

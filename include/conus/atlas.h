@@ -70,7 +70,7 @@ typedef struct conus_load_options {
  *  - by its name, a pack, NAME.conus (conus_atlas_save()), whose labels and probabilities are those of its packing.
  *
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
- * found, and how an image is told from labels.
+ * found, and how images and labels are distinguished.
  * @param[out] out The atlas; end it with conus_atlas_destroy().
  * @param path A path, or a name of conus_list_installed(), "aal" or "mricron:aal", where it has no '/' and no file or
  * folder is called so; the labels of the list count where the options have none. It may end in ",volume=K" to choose

@@ -102,8 +102,8 @@ typedef struct conus_plan_options {
                            Only measures of the cone need it. */
     double far;         /**< Far end of poses that have none of their own, mm from the apex; 0 = that of the selector's
                            range. */
-    conus_progress progress; /**< Is told how many poses were tried, and of how many, 0 = not known; false ends the run.
-                                NULL = no callback. */
+    conus_progress progress; /**< Receives how many poses were tried, and of how many, 0 = not known; false ends the
+                                run. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
     uint64_t entries;        /**< The best pose of each entry up to this number is kept, for conus_plan_list(): 56
                                 bytes and 8 a key each; 0 = of none. */
@@ -484,7 +484,7 @@ typedef struct conus_together_options {
     double diverse;          /**< Each differs from those before it by candidates whose position or far end is so far
                                 off at least, mm, 0 to 100; 0 = by other candidates. */
     uint64_t differ;         /**< In so many needles at least, up to all of them; 0 = 1. */
-    conus_progress progress; /**< Is told how many candidates were tried; false ends the run. NULL = no callback. */
+    conus_progress progress; /**< Receives how many candidates were tried; false ends the run. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
     double arcs;   /**< A rig carries the needles on arcs, whose angles differ by so many degrees at least, up to
                       180 (Eq. 26), in the axes of the selectors' frames, which are the same; 0 = it does not. */

@@ -99,7 +99,7 @@ def glibc(files):
             if kind == "GLIBC":
                 wanted = max(wanted, version)
             elif version > NEWEST.get(kind, version):
-                raise SystemExit(f"complete.py: {file.name} wants {kind}_{digits}, which other machines may not have")
+                raise SystemExit(f"complete.py: {file.name} needs {kind}_{digits}, which other machines may not have")
     return wanted
 
 

@@ -213,7 +213,7 @@ def _from_file(
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = Callback(tell)
-        handle = state.hear(options)
+        handle = state.log_notes(options)
         options.progress, options.progress_user = load_progress, handle
         status = lib.conus_atlas_load(out, file, options)
         raw = owned(out[0], lib.conus_atlas_destroy)
@@ -227,7 +227,7 @@ def _from_array(data: Any, affine: Any, labels: Labels, labels_anyway: bool, nam
     options, out = ffi.new("conus_create_options *"), ffi.new("conus_atlas **")
     options.labels_anyway = flag("labels_anyway", labels_anyway)
     state = Callback()
-    _handle = state.hear(options)
+    _handle = state.log_notes(options)
     status = lib.conus_atlas_create(out, voxels, table, count, options)
     raw = owned(out[0], lib.conus_atlas_destroy)
     state.check(status)
@@ -438,7 +438,7 @@ def _add_pathway(atlas: Any, pathway: Any, max_memory: int) -> None:
     else:
         options.threshold = real("pathways", values)
     state = Callback()
-    _handle = state.hear(options)
+    _handle = state.log_notes(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
         state.check(lib.conus_atlas_add_pathway_voxels(atlas, voxels, options))
@@ -455,7 +455,7 @@ def _split_streamlines(streamlines: Any) -> tuple[list[Any], list[Any]]:
 def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:
     source, options, _name = options_of(given, max_memory)
     state = Callback()
-    _handle = state.hear(options)
+    _handle = state.log_notes(options)
     if isinstance(source, (str, bytes, os.PathLike)):
         state.check(lib.conus_atlas_add_streamlines(atlas, path_of("streamlines", source), options))
     else:
@@ -467,7 +467,7 @@ def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_mem
     options = ffi.new("conus_context_options *")
     options.block_threshold, options.opacity, options.max_memory = blocks, opacity, max_memory
     state = Callback()
-    _handle = state.hear(options)
+    _handle = state.log_notes(options)
     if hasattr(source, "dataobj"):
         voxels, _alive = _fill_voxels(*_image_parts(source))
         state.check(lib.conus_atlas_set_context_voxels(atlas, voxels, options))
@@ -505,7 +505,7 @@ def _region(source: Any, threshold: float, max_memory: int) -> Any:
     options, out = ffi.new("conus_roi_options *"), ffi.new("conus_roi **")
     options.threshold, options.max_memory = real("threshold", threshold), max_memory
     state = Callback()
-    _handle = state.hear(options)
+    _handle = state.log_notes(options)
     if hasattr(source, "dataobj") or isinstance(source, tuple):
         parts = (*source, "roi", 0) if isinstance(source, tuple) else _image_parts(source)
         if len(parts) != 4:

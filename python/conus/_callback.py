@@ -29,7 +29,7 @@ class Callback:
             self.error = self.error or error
         return self.error is None
 
-    def hear(self, options: Any) -> Any:
+    def log_notes(self, options: Any) -> Any:
         """Lets the notes of the call go to the logger; gives the handle, which must live as long as the call."""
         handle = ffi.new_handle(self)
         options.log, options.log_user = log, handle

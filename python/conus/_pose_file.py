@@ -241,7 +241,7 @@ def read_poses(
     kept = ffi.new("char *[]", names)
     options.keep, options.keep_count = ffi.cast("const char *const *", kept), len(names)
     state = Callback()
-    handle = state.hear(options)
+    handle = state.log_notes(options)
     status = lib.conus_pose_list_load(out, path_of("path", path), options)
     state.check(status)
     poses = Poses(out[0], os.fsdecode(path), flag("any_space", any_space), (state, handle), tuple(map(str, keep)))

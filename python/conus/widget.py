@@ -14,7 +14,7 @@ from ._answers import Selection
 from ._library import ArgumentError, Error, whole
 from ._program import page_of
 
-# An answer counts only if it is of the newest question, which a page that has just begun is told again.
+# An answer counts only if it is of the newest question, which a page that has just begun gets again.
 _ESM = """
 export default { render({ model, el }) {
   const frame = document.createElement("iframe");
@@ -23,16 +23,16 @@ export default { render({ model, el }) {
   frame.sandbox = "allow-scripts allow-downloads"; // no way from the page into the notebook
   frame.srcdoc = model.get("_page");
   const ask = () => frame.contentWindow?.postMessage({ conus: model.get("_asked") }, "*");
-  const hear = ({ source, data }) => {
+  const receive = ({ source, data }) => {
     if (!data?.conus || source !== frame.contentWindow) return;
     if (data.conus.id !== model.get("_asked").id) return ask();
     model.set("answer", data.conus);
     model.save_changes();
   };
-  addEventListener("message", hear);
+  addEventListener("message", receive);
   model.on("change:_asked", ask);
   el.append(frame);
-  return () => { removeEventListener("message", hear); model.off("change:_asked", ask); };
+  return () => { removeEventListener("message", receive); model.off("change:_asked", ask); };
 } };
 """
 

@@ -313,7 +313,7 @@ static void a_spacemouse_moves_the_second_tool(void **state)
     tool_use_second(&viewer, true);
     tool_choose(window.viewer, SECOND_TOOL, POINT_BY_SPACEMOUSE);
     inputs_step(&window.inputs, window.viewer, 1);
-    if (window.inputs.devices.heard[SECOND_TOOL].state != SOURCE_SILENT) {
+    if (window.inputs.devices.received[SECOND_TOOL].state != SOURCE_SILENT) {
         skip();
     }
     welcome(&daemon);

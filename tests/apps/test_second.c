@@ -324,7 +324,7 @@ static void stuck_and_invalid_trackers_are_reported(void **state)
     assert_false(update.has_pose); /* each pose once */
     source_ask(&tracker->source, 15, &update);
     assert_int_equal(update.state, SOURCE_FROZEN);
-    window.inputs.devices.heard[SECOND_TOOL] = update;
+    window.inputs.devices.received[SECOND_TOOL] = update;
     window.viewer->tools[SECOND_TOOL].pointer = POINT_BY_TRACKER;
     window.viewer->tools[SECOND_TOOL].has_pose = true;
     inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);

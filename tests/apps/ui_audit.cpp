@@ -33,7 +33,7 @@ void note(const char *text, ImVec2 at, bool is_cut)
     }
 }
 
-void hear(audit_event event, const char *text, float room)
+void report(audit_event event, const char *text, float room)
 {
     const ImVec2 low = ImGui::GetItemRectMin();
     const ImVec2 high = ImGui::GetItemRectMax();
@@ -123,7 +123,7 @@ bool ui_audit_create(float scale, float width, float height)
     unsigned char *pixels;
     int wide;
     int high;
-    static const audit_listener listener = {hear};
+    static const audit_listener listener = {report};
     heard.size = ImVec2(width, height);
     io.IniFilename = nullptr;
     io.UserData = const_cast<audit_listener *>(&listener);

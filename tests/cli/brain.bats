@@ -161,7 +161,7 @@ END
     jq -e '(has("Warnings") or (.Atlas | has("template"))) | not' any.json
     run -0 "$CONUS" cite any.tsv
     output=$(tr '\n' ' ' <<<"$output")
-    has 'What poses, a scalp or regions say of their space was not heard (--any-space): they were taken as they are.'
+    has 'What poses, a scalp or regions say of their space was not used (--any-space): they were taken as they are.'
 }
 
 @test "positions in MNI 305 are moved but where the atlas lies there, too" {

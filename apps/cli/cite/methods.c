@@ -188,7 +188,7 @@ static const struct sentence of_settings[] = {
      " The device's handle (its -y) pointed backwards, turned by {Question.options.handle}° to the "
      "side of the position, on the midline to the left."},
     {"Question.options.any-space",
-     " What poses, a scalp or regions say of their space was not heard (--any-space): they were taken as they are."},
+     " What poses, a scalp or regions say of their space was not used (--any-space): they were taken as they are."},
     {"Question.options.summary",
      " Reported are the object that ranks first, the runner-up and the difference of their scores."},
     {"Space.orientation=CCF", " Positions were those of the Allen CCF, AP, DV and ML in µm from its corner."},

@@ -106,7 +106,7 @@ void gamepad_read(struct gamepad_reading *out);
  * a program, since libspnav has one connection. */
 struct spacemouse {
     struct source source; /**< First: a pointer to it is one to the SpaceMouse. */
-    bool is_open, is_heard, is_unplugged;
+    bool is_open, has_event, is_unplugged;
     int axes[6]; /**< x, y, z and turns about them, as spacenavd has them: +z away from who sits before it. */
     double moved_s, asked_s,
         tried_s; /**< By the clock of source_ask(): when it last moved, was asked, was looked for. */
@@ -121,7 +121,7 @@ struct devices {
     struct pushed mouse;
     struct spacemouse spacemouse;
     struct gamepad gamepad;
-    struct source_update heard[2]; /**< The last answers of the sources that move the tools. */
+    struct source_update received[2]; /**< The last answers of the sources that move the tools. */
 };
 
 void devices_init(struct devices *out);

@@ -41,7 +41,7 @@ static bool is_there(void)
 static void close_it(struct spacemouse *mouse, double now_s)
 {
     spnav_close();
-    mouse->is_open = mouse->is_heard = mouse->is_unplugged = false;
+    mouse->is_open = mouse->has_event = mouse->is_unplugged = false;
     memset(mouse->axes, 0, sizeof mouse->axes);
     mouse->tried_s = now_s;
 }
@@ -68,7 +68,7 @@ static unsigned meaning_of(const struct spnav_event_button *button)
     return is_known ? meanings[button->bnum] : 0;
 }
 
-static void hear(struct spacemouse *mouse, double now_s, struct source_update *out)
+static void take_events(struct spacemouse *mouse, double now_s, struct source_update *out)
 {
     spnav_event event;
     for (int i = 0; i < 1000 && spnav_poll_event(&event); i++) {
@@ -77,10 +77,10 @@ static void hear(struct spacemouse *mouse, double now_s, struct source_update *o
                                  event.motion.rx, event.motion.ry, event.motion.rz};
             memcpy(mouse->axes, axes, sizeof axes);
             mouse->moved_s = now_s;
-            mouse->is_heard = true;
+            mouse->has_event = true;
             mouse->is_unplugged = false;
         } else if (event.type == SPNAV_EVENT_BUTTON) {
-            mouse->is_heard = true;
+            mouse->has_event = true;
             out->pressed |= meaning_of(&event.button);
         } else if (event.type == SPNAV_EVENT_DEV) {
             mouse->is_unplugged = event.dev.op == SPNAV_DEV_RM;
@@ -108,7 +108,7 @@ static void say(const struct spacemouse *mouse, struct source_update *out)
     } else if (mouse->is_unplugged) {
         out->state = SOURCE_ABSENT;
         out->text = "the SpaceMouse is unplugged";
-    } else if (!mouse->is_heard) {
+    } else if (!mouse->has_event) {
         out->state = SOURCE_SILENT;
         out->text = "move the SpaceMouse's cap";
     } else {
@@ -124,7 +124,7 @@ static bool ask(struct source *source, double now_s, struct source_update *out, 
     keep_open(mouse, now_s);
     mouse->asked_s = now_s;
     if (mouse->is_open) {
-        hear(mouse, now_s, out);
+        take_events(mouse, now_s, out);
     }
     for (int i = 0; i < 6; i++) {
         said[i] = mouse->axes[i];

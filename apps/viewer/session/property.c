@@ -143,7 +143,7 @@ const struct property properties[PROPERTY_COUNT] = {
                         .presence = PROPERTY_KEPT, .says = start_says, .label = "Starts", .choices = starts,
                         .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of the "
                                "context or of an\narea, 40 mm before it (a small atlas: half its radius), or at the "
-                               "eye that looks at the 3-D pane;\nwith an end of its depths, which are told from "
+                               "eye that looks at the 3-D pane;\nwith an end of its depths, which count from "
                                "there, at the surface in place of before it"},
     [PROPERTY_ONE_RAY] = {NULL, "one_ray", "whether a single ray is asked in place of the cone",
                           OF_VIEWER(cone.one_ray), TRUTH, .presence = PROPERTY_KEPT, .says = ray_says,

@@ -171,14 +171,14 @@ static struct source *source_of(struct inputs *inputs, const struct viewer *view
 /* Asks the source of a tool and applies what it says. Returns whether there was a pose, or a move. */
 static bool move_by_source(struct inputs *inputs, struct viewer *viewer, enum tool_number number, double now_s)
 {
-    struct source_update *heard = &inputs->devices.heard[number];
-    enum source_state was = heard->state;
-    source_ask(source_of(inputs, viewer, number), now_s, heard);
-    viewer->version += heard->state != was; /* the notice about the tool changes */
-    if (heard->state == SOURCE_WELL && was != SOURCE_WELL && strcmp(viewer->message, not_confirmed) == 0) {
+    struct source_update *received = &inputs->devices.received[number];
+    enum source_state was = received->state;
+    source_ask(source_of(inputs, viewer, number), now_s, received);
+    viewer->version += received->state != was; /* the notice about the tool changes */
+    if (received->state == SOURCE_WELL && was != SOURCE_WELL && strcmp(viewer->message, not_confirmed) == 0) {
         viewer_say(viewer, "%s", ""); /* it would be now */
     }
-    return take_update(viewer, number, heard);
+    return take_update(viewer, number, received);
 }
 
 bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s)
@@ -201,7 +201,7 @@ double inputs_idle_s(const struct inputs *inputs, const struct viewer *viewer)
     double seconds = inputs->second_station ? watch_s : INFINITY;
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
         if (viewer->tools[number].pointer >= POINT_BY_SPACEMOUSE && tool_is_moved(viewer, number)) {
-            bool is_there = inputs->devices.heard[number].state > SOURCE_ABSENT;
+            bool is_there = inputs->devices.received[number].state > SOURCE_ABSENT;
             seconds = fmin(seconds, is_there ? look_s : seek_s);
         }
     }
@@ -297,20 +297,20 @@ static struct notice notice_of_second(const struct inputs *inputs, const struct 
 }
 
 /* Says what is wrong with a device, or how to use it. */
-static void find_trouble(struct notice *out, const struct source_update *heard, const struct tool *tool,
+static void find_trouble(struct notice *out, const struct source_update *received, const struct tool *tool,
                          enum tool_number number)
 {
     static const char *const held_frozen[TOOL_COUNT] = {
         "held: Space lets it move again; the same for 5 s: is it frozen?",
         "held: 4 lets it move again; the same for 5 s: is it frozen?"};
     bool is_steered = tool->pointer >= POINT_BY_SPACEMOUSE;
-    if (heard->state == SOURCE_FROZEN) {
+    if (received->state == SOURCE_FROZEN) {
         *out = (struct notice){tool->held ? held_frozen[number] : "the same for 5 s: is it frozen?", true, false};
-    } else if (heard->state == SOURCE_BROKEN) {
+    } else if (received->state == SOURCE_BROKEN) {
         *out =
             (struct notice){is_steered ? "its values are no numbers" : "the values are no numbers", true, !is_steered};
-    } else if (heard->text) {
-        *out = (struct notice){heard->text, heard->state <= SOURCE_ABSENT, false};
+    } else if (received->text) {
+        *out = (struct notice){received->text, received->state <= SOURCE_ABSENT, false};
     } else if (is_steered && !tool->has_pose) {
         out->text = "move it to put the tool there";
     }
@@ -323,7 +323,7 @@ void inputs_notice(struct notice *out, const struct inputs *inputs, const struct
     const struct tool *tool = &viewer->tools[number];
     *out = number == SECOND_TOOL ? notice_of_second(inputs, viewer) : notice_of_first(inputs, viewer);
     if (!out->is_trouble) {
-        find_trouble(out, &inputs->devices.heard[number], tool, number);
+        find_trouble(out, &inputs->devices.received[number], tool, number);
     }
     if (!out->text && tool->held && (number == SECOND_TOOL || tool->pointer >= POINT_BY_TRACKER)) {
         out->text = held[number];

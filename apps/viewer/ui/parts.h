@@ -19,7 +19,7 @@ bool ui_style(float scale);
  * of the widget before, and a text within something so wide. */
 enum audit_event { AUDIT_ITEM, AUDIT_WIDGET, AUDIT_TIP, AUDIT_WITHIN };
 struct audit_listener {
-    void (*hear)(audit_event event, const char *text, float room);
+    void (*report)(audit_event event, const char *text, float room);
 };
 
 /** Whether a test records: then all sections are open. */
@@ -31,7 +31,7 @@ inline bool audit_runs(void)
 inline void audit(audit_event event, const char *text, float room = 0)
 {
     if (audit_runs()) {
-        static_cast<const audit_listener *>(ImGui::GetIO().UserData)->hear(event, text, room);
+        static_cast<const audit_listener *>(ImGui::GetIO().UserData)->report(event, text, room);
     }
 }
 

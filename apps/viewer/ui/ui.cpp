@@ -683,12 +683,12 @@ bool ui_numbers(const char *label, double value[3], const char *format, const ch
     return changed;
 }
 
-void ui_take_keys(bool *wants)
+void ui_take_keys(bool *is_asked)
 {
-    if (*wants) {
+    if (*is_asked) {
         ImGui::SetKeyboardFocusHere();
     }
-    *wants = false;
+    *is_asked = false;
 }
 
 bool ui_type(const char *label, char *text, size_t size, const char *hint, const char *tip)

@@ -179,8 +179,8 @@ bool ui_slider(const char *label, double *value, double low, double high, const 
                const char *tip);
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high, const char *tip);
 bool ui_numbers(const char *label, double value[3], const char *format, const char *tip);
-/** The next widget takes the keyboard if @p wants says so, which is false then. */
-void ui_take_keys(bool *wants);
+/** The next widget takes the keyboard if @p is_asked, which is false then. */
+void ui_take_keys(bool *is_asked);
 /** A line that is typed, whose old text is selected when it takes the keyboard; true when Enter was pressed in it. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint, const char *tip);
 /** Likewise of a path; where *is_set is true it takes over what @p text is, selected from byte @p selected on. A whole

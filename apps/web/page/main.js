@@ -887,7 +887,7 @@ addEventListener("hashchange", () => takeQuestion(() => {
   if (atlas) checkLink();
 }));
 
-// A notebook's cell asks by a link, and is told each answer (conus.widget).
+// A notebook's cell asks by a link, and receives each answer (conus.widget).
 addEventListener("message", ({ source, data }) => {
   if (!isInside || source !== parent || typeof data?.conus?.ask !== "string") return;
   asked = data.conus.id;
